@@ -258,6 +258,7 @@ void bind_runner(py::module_& m) {
             return static_cast<double>(latency_bound_ns(config, *scheme)) * 1e-3;
           },
           py::arg("scheme"), "The latency bound in force, us.")
+      .def_readonly("seed", &RunConfig::seed)
       .def_property_readonly("execution", [](const RunConfig& config) {
         return config.execution == Execution::anytime ? "anytime" : "whole";
       });

@@ -138,3 +138,16 @@ def test_a_bad_event_in_front_sets_no_time(tmp_path):
     assert clamped.source["duration_s"] == pytest.approx(30e-6)
     nothing = asap.simulate(events[:1], cost=COST, width=346, height=260)
     assert (nothing.source["events"], nothing.source["duration_s"]) == (1, 0)
+
+
+# ---- the seed -------------------------------------------------------------------------------
+
+
+def test_the_seed_stands_in_summary_table_and_file(tmp_path):
+    run = asap.simulate(streams.poisson(1e5, 0.01), cost=asap.LinearCost(1, 1), seed=2**64 - 1)
+    assert run.seed == run.summary()["seed"] == asap.table([run])[0]["seed"] == 2**64 - 1
+    assert f"seed {2**64 - 1}" in str(run)
+    for name in ("run.npz", "run.json"):
+        assert asap.load_run(run.save(tmp_path / name)).seed == 2**64 - 1
+    assert asap.run(streams.poisson(1e5, 0.01), algorithm=len, seed=5).seed == 5
+    assert asap.Pipeline(seed=5).stats()["seed"] == 5

@@ -68,4 +68,5 @@ class CameraRun(Pipeline):
             clock_resets=stats.clock_resets,
             gap_us=stats.gap_us,
             execution=self._config.execution,
+            seed=self._config.seed,
         )

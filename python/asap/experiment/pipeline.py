@@ -386,6 +386,7 @@ class Pipeline:
             "algorithm": None if self.algorithm is None else Named.of(self.algorithm).as_json(),
             "latency_bound_us": stats.latency_bound_us,
             "execution": self._config.execution,
+            "seed": self._config.seed,
             "ledger": dict(ledger),
             "rejected": stats.rejected,
             "clock_resets": stats.clock_resets,

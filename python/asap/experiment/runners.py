@@ -405,6 +405,7 @@ def remember(
         slots=runner.slots if isinstance(runner, _core.Simulator) else None,
         kept_mask=kept_mask,
         execution=config.execution,
+        seed=config.seed,
     )
     return keep(run)
 

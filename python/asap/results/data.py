@@ -205,6 +205,8 @@ class Run(Result):
         What the scheme had learned of the algorithm's cost by the end; None where it learns none.
     execution : str
         How the algorithm took its packages: "whole" or "anytime".
+    seed : int
+        Seed of the gamma filter.
     """
 
     packages: NDArray[np.void]
@@ -224,6 +226,7 @@ class Run(Result):
     kept_mask: NDArray[np.bool_] | None = None
     learned: Cost | None = None
     execution: str = "anytime"
+    seed: int = 0
 
     def __post_init__(self) -> None:
         if self.learned is None and hasattr(self.scheme, "alpha_us"):
@@ -286,6 +289,7 @@ class Run(Result):
             and {name: getattr(self.learned, name) for name in ("alpha_us", "beta_ns")},
             "estimated_cost": log["estimated_cost"] and asdict(log["estimated_cost"]),
             "execution": self.execution,
+            "seed": self.seed,
             "speed": self.speed,
             "ledger": dict(self.ledger),
             "rejected": dict(self.rejected),

@@ -228,6 +228,12 @@ def _count(name: str, value: Any) -> int:
     return int(value)
 
 
+def _seed(name: str, value: Any) -> int:
+    if not 0 <= _whole(name, value) < 2**64:
+        raise ValueError(_checks.named(name, value, "out of reach, 0 to 2**64 - 1"))
+    return int(value)
+
+
 def _counts(name: str, value: Any) -> dict[str, int]:
     return {key: _count(f"{name}.{key}", count) for key, count in _object(name, value).items()}
 
@@ -294,6 +300,7 @@ _FACTS = _fields(
     gap_us=_or_none(_count),
     learned_cost=_or_none(_fields(alpha_us=_real, beta_ns=_real)),
     execution=_text,
+    seed=_seed,
 )
 _HISTOGRAMS = ("latency_us", "pacing_us")
 _LATENCY = _fields(mean=_real, p50=_real, p99=_real, max=_real)

@@ -72,7 +72,7 @@ def run_figures(run: Run, summary: Mapping[str, Any]) -> dict[str, str]:
             f"max {_units.count(packages['size_max'])}",
         ),
         ("gap", _run_gap(summary["gap_us"])),
-        ("gamma", f"mean {gamma['mean']:.3f}, min {gamma['min']:.3f}"),
+        ("gamma", f"mean {gamma['mean']:.3f}, min {gamma['min']:.3f}; seed {summary['seed']}"),
         ("busy", f"{_units.share(summary['cpu'])} of the time in the algorithm"),
     ]
     cost = summary["estimated_cost"] and Cost(**summary["estimated_cost"])
