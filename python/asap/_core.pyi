@@ -238,7 +238,12 @@ class _Runner(metaclass=_pybind11_type):  # what simulator and replay share
 
 class Simulator(_Runner):
     def __init__(
-        self, scheme: Scheme, cost: LinearCost, config: RunConfig, algorithm: object = None
+        self,
+        scheme: Scheme,
+        cost: LinearCost | Callable[[int, float], float],
+        config: RunConfig,
+        algorithm: object = None,
+        speed: float = 1.0,
     ) -> None: ...
     def feed(self, events: _Events) -> None: ...
     def finish(self) -> None: ...

@@ -129,6 +129,17 @@ Keywords<LinearCostConfig> cost_keywords() {
                    outages()}};
 }
 
+// A LinearCost, or the caller's function of n and t_us; destroyed with the simulator, which happens
+// while the GIL is held.
+SimulatedCost cost_of(const py::object& cost) {
+  if (py::isinstance<LinearCost>(cost)) return *cost.cast<Held<LinearCost>>();
+  return [function = std::make_shared<py::object>(cost)](std::size_t n, double t_us) {
+    const std::string call =
+        "cost(" + std::to_string(n) + ", " + std::to_string(std::llround(t_us)) + ")";
+    return with_gil([&] { return real_number(call.c_str(), (*function)(n, t_us)); });
+  };
+}
+
 WhenFull when_full_from(const std::string& name) {
   if (name == "thin") return WhenFull::thin;
   if (name == "keep_oldest") return WhenFull::keep_oldest;
@@ -266,15 +277,16 @@ void bind_runner(py::module_& m) {
   auto simulator =
       py::class_<Simulator>(m, "Simulator", "A run in virtual time, fed chunk by chunk.");
   simulator
-      .def(py::init([](const Held<Scheme>& scheme, const Held<LinearCost>& cost,
-                       const RunConfig& config, const py::object& algorithm) {
+      .def(py::init([](const Held<Scheme>& scheme, const py::object& cost, const RunConfig& config,
+                       const py::object& algorithm, const py::object& speed) {
              // Rivals of the study also filter on arrival.
              auto* const admission = dynamic_cast<Admission*>(scheme.get());
-             return std::make_unique<Simulator>(*scheme, *cost, config, consumer_of(algorithm),
-                                                admission);
+             return std::make_unique<Simulator>(*scheme, cost_of(cost), config,
+                                                consumer_of(algorithm), admission,
+                                                real_number("speed", speed));
            }),
            py::arg("scheme"), py::arg("cost"), py::arg("config"), py::arg("algorithm") = py::none(),
-           py::keep_alive<1, 2>(), py::keep_alive<1, 5>())
+           py::arg("speed") = 1.0, py::keep_alive<1, 2>(), py::keep_alive<1, 5>())
       .def(
           "feed",
           [](Simulator& self, const py::array& events) {

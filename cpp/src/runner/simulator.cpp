@@ -1,7 +1,9 @@
 #include "asap/runner/simulator.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <string>
 #include <utility>
 
 #include "core/check.hpp"
@@ -20,15 +22,16 @@ constexpr std::uint64_t kAdmissionSeed = 0x61646d6974;  // not the gamma filter'
 
 class Simulator::Impl {
  public:
-  Impl(Scheme& scheme, LinearCost cost, const RunConfig& config, Consumer consumer,
-       Admission* admission);
+  Impl(Scheme& scheme, SimulatedCost cost, const RunConfig& config, Consumer consumer,
+       Admission* admission, double speed);
 
   void feed(EventSpan events);
   void finish();
   void run(EventSource& source);
   Ledger ledger() const noexcept;
   RunStats stats() const {
-    return run_.stats(true, ledger(), run_.gap_us(gate_ ? &gate_->gap() : nullptr));
+    const auto gap_us = static_cast<double>(run_.gap_us(gate_ ? &gate_->gap() : nullptr));
+    return run_.stats(true, ledger(), std::llround(gap_us / speed_));
   }
   const Run& parts() const noexcept { return run_; }
   std::span<const Slot> slots() const noexcept { return slots_.slots(); }
@@ -50,11 +53,16 @@ class Simulator::Impl {
   bool wait(const Packager::Next& next);
   void begin(const Package& package);
   void go_on();  // with the next part of the package, or complete it
+  // What so many more events of the package in work take, after the `worked_` ones: ns.
+  double work_ns(std::size_t more);
+  double function_ns(std::size_t n) const;
   void admit(std::size_t count);
   std::size_t arrivals_by(std::int64_t time_ns) const noexcept;
 
-  const LinearCost cost_;
+  const LinearCost cost_;  // of a function: no outages, and nothing else
+  const CostFunction function_;
   const Consumer consumer_;
+  const double speed_;
   Run run_;
   SlotLog slots_;
   std::optional<AdmissionGate> gate_;
@@ -65,20 +73,26 @@ class Simulator::Impl {
   bool started_ = false;
   std::int64_t now_ns_ = kLongAgo;
   bool is_working_ = false;
-  Package working_{};  // the package in work, if is_working_
-  PackageCost working_cost_{};
-  std::uint64_t begun_ = 0;  // packages: each has a draw of its own
+  Package working_{};           // the package in work, if is_working_
+  PackageCost working_cost_{};  // of a LinearCost
+  std::size_t worked_ = 0;      // of a CostFunction: events, by the end of the part in work,
+  double worked_ns_ = 0;        // and what they take
+  std::uint64_t begun_ = 0;     // packages: each has a draw of its own
   std::int64_t busy_until_ns_ = kLongAgo;
   std::int64_t busy_ns_ = 0;
   bool is_waiting_ = false;
   Packager::Next waiting_{};  // the wait in force, if is_waiting_
 };
 
-Simulator::Impl::Impl(Scheme& scheme, LinearCost cost, const RunConfig& config, Consumer consumer,
-                      Admission* admission)
-    : cost_(std::move(cost)),
+Simulator::Impl::Impl(Scheme& scheme, SimulatedCost cost, const RunConfig& config,
+                      Consumer consumer, Admission* admission, double speed)
+    : cost_(std::holds_alternative<LinearCost>(cost) ? std::get<LinearCost>(cost) : LinearCost()),
+      function_(std::holds_alternative<LinearCost>(cost) ? CostFunction()
+                                                         : std::get<CostFunction>(cost)),
       consumer_(std::move(consumer)),
+      speed_(speed),
       run_(scheme, config, Run::Source::recording) {
+  require(speed >= 1e-3 && speed <= 1e6, "speed", speed, "must be between 0.001 and 1e6");
   if (admission == nullptr) return;
   require(!config.keep_mask, "keep_mask", 1, "not with a scheme that filters on arrival");
   gate_.emplace(*admission, config.seed ^ kAdmissionSeed);
@@ -139,7 +153,7 @@ void Simulator::Impl::receive(EventSpan good) {
 }
 
 void Simulator::Impl::start(const Event& first) {
-  run_.begin(first.t);
+  run_.begin(first.t, speed_);
   now_ns_ = run_.axis().to_ns(first.t);
   started_ = true;
 }
@@ -214,14 +228,33 @@ void Simulator::Impl::begin(const Package& package) {
   // An anytime package shows its events later, stratum by stratum.
   const bool is_whole = !package.events.empty();
   const std::size_t size = is_whole ? run_.packager().stratum(working_, now_ns_).size() : 0;
-  busy_until_ns_ = cost_.done_ns(now_ns_, working_cost_.of(size));
+  worked_ = 0;
+  worked_ns_ = 0;
+  busy_until_ns_ = cost_.done_ns(now_ns_, function_ ? work_ns(size) : working_cost_.of(size));
+}
+
+double Simulator::Impl::work_ns(std::size_t more) {
+  if (!function_) return working_cost_.event_ns * static_cast<double>(more);
+  worked_ += more;
+  const double until_ns = std::max(function_ns(worked_), worked_ns_);  // what is done stays done
+  return until_ns - std::exchange(worked_ns_, until_ns);
+}
+
+double Simulator::Impl::function_ns(std::size_t n) const {
+  const double t_us = run_.axis().to_us(working_.start_ns);
+  const double cost_us = function_(n, t_us);
+  if (!(cost_us >= 0 && std::isfinite(cost_us))) {
+    throw_bad_value("cost(" + std::to_string(n) + ", " + std::to_string(std::llround(t_us)) + ")",
+                    to_text(cost_us),
+                    "give the us that n events take, from t_us on: finite and not negative");
+  }
+  return 1e3 * cost_us;
 }
 
 void Simulator::Impl::go_on() {
   const EventSpan part = run_.packager().stratum(working_, now_ns_);
   if (!part.empty()) {
-    const double work_ns = working_cost_.event_ns * static_cast<double>(part.size());
-    busy_until_ns_ = cost_.done_ns(now_ns_, work_ns);
+    busy_until_ns_ = cost_.done_ns(now_ns_, work_ns(part.size()));
     return;
   }
   is_working_ = false;
@@ -250,10 +283,10 @@ std::size_t Simulator::Impl::arrivals_by(std::int64_t time_ns) const noexcept {
   return known + static_cast<std::size_t>(end - rest.begin());
 }
 
-Simulator::Simulator(Scheme& scheme, LinearCost cost, RunConfig config, Consumer consumer,
-                     Admission* admission)
-    : impl_(std::make_unique<Impl>(scheme, std::move(cost), config, std::move(consumer),
-                                   admission)) {}
+Simulator::Simulator(Scheme& scheme, SimulatedCost cost, RunConfig config, Consumer consumer,
+                     Admission* admission, double speed)
+    : impl_(std::make_unique<Impl>(scheme, std::move(cost), config, std::move(consumer), admission,
+                                   speed)) {}
 
 Simulator::~Simulator() = default;
 

@@ -162,7 +162,7 @@ def _add_run_options(verb: Any) -> None:
         help="a parameter of the scheme, for example rate_bound=5e6; repeatable",
     )
     verb.add_argument(
-        "--speed", type=float, default=1.0, help="of the replay (default: 1, as recorded)"
+        "--speed", type=float, default=1.0, help="of the recording (default: 1, as recorded)"
     )
     add_report(verb)
     verb.add_argument(
@@ -199,6 +199,7 @@ def _run(arguments: Any) -> int:
         "on_bad": arguments.on_bad,
         "seed": arguments.seed,
         "execution": arguments.execution,
+        "speed": arguments.speed,
     }
     with reading(arguments), workers.own, _progress.on_terminal() as on_progress:
         if cost is not None:

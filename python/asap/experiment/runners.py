@@ -35,11 +35,12 @@ def last_run() -> Run | None:
 def simulate(
     source: Any,
     *,
-    cost: _core.LinearCost,
+    cost: _core.LinearCost | Callable[[int, float], float],
     scheme: _core.Scheme | None = None,
     latency_ms: float | None = None,
     algorithm: Any = None,
     execution: str = "anytime",
+    speed: float = 1.0,
     before: Any = None,
     width: int | None = None,
     height: int | None = None,
@@ -59,8 +60,11 @@ def simulate(
     ----------
     source : path, Recording, array or iterable of arrays
         Arrays in any layout that `as_events` accepts; several paths are one recording.
-    cost : LinearCost
-        The simulated algorithm.
+    cost : LinearCost or callable
+        The simulated algorithm. A callable is called as cost(n, t_us) and returns the us that n
+        events take in a package that starts at t_us, a stamp like `start_us`: at least 0. With
+        "anytime" it is asked first for n = 0, what a package costs before its first event, then for
+        the events so far after each part.
     scheme : Scheme, optional
         Default: Deadline(latency_ms=latency_ms).
     latency_ms : float, optional
@@ -71,6 +75,8 @@ def simulate(
         How the simulated algorithm takes a package. "anytime": in up to 16 parts, as those of the
         library do; the clock is read between them, so a package ends on time. "whole": in one call,
         as a Python algorithm does unless `run` is told otherwise.
+    speed : float
+        As in `run`: 10 makes a quiet recording ten times as busy.
     before : optional
         A filter in front of the scheme's discarding, such as BackgroundActivityFilter: an object
         with process(events) that returns the events that pass, or a callable. Here it costs
@@ -98,7 +104,10 @@ def simulate(
     Raises
     ------
     ValueError
-        A bad argument, named with its value and the remedy; bad events with on_bad="raise".
+        A bad argument, named with its value and the remedy; bad events with on_bad="raise"; a
+        `cost` that returns no time, with n and t_us.
+    Exception
+        An error of `cost` or of the algorithm, unchanged.
     """
     check_cost(cost, callable_too=True)
     check_execution(execution)
@@ -109,7 +118,7 @@ def simulate(
     config = make_config(
         stream.sensor, latency_ms, on_bad, seed, capacity, execution, algorithm, before, keep_mask
     )
-    simulator = _core.Simulator(scheme, cost, config, algorithm)
+    simulator = _core.Simulator(scheme, cost, config, algorithm, speed)
     try:
         for events in stream:
             for begin in range(0, events.size, _CHUNK):
@@ -119,7 +128,9 @@ def simulate(
         simulator.finish()
     finally:
         shown = algorithm if algorithm is not None else cost
-        outcome = remember(simulator, stream, config, scheme, shown, mode="virtual")
+        outcome = remember(
+            simulator, stream, config, scheme, shown, mode="virtual", speed=float(speed)
+        )
     return outcome
 
 

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "asap/schemes/asap2020.hpp"
@@ -15,6 +16,7 @@
 #include "runner/agreement.hpp"
 #include "runner/naive_simulator.hpp"
 #include "support/allocation_counter.hpp"
+#include "support/errors.hpp"
 #include "support/streams.hpp"
 
 namespace asap::simulator_test {
@@ -196,6 +198,52 @@ TEST(Simulator, AnExceptionOfTheConsumerComesOutUnchanged) {
     EXPECT_EQ(ledger.pending, ledger.received - 30);
     EXPECT_TRUE(ledger.balanced());
   }
+}
+
+TEST(Simulator, AFunctionIsTheCostThatItReturns) {
+  const Events events = evenly_spaced(1000, 30);
+  for (const Execution execution : {Execution::whole, Execution::anytime}) {
+    const auto rows = [&](SimulatedCost cost) {
+      FixedSize scheme({.size = 100});
+      Simulator simulator(scheme, std::move(cost), {.execution = execution});
+      simulator.feed(events);
+      simulator.finish();
+      return rows_of(simulator);
+    };
+    EXPECT_EQ(rows([](std::size_t n, double) { return 100.0 + 10.0 * static_cast<double>(n); }),
+              rows(slow()));
+  }
+}
+
+TEST(Simulator, ACostThatIsNoTimeIsRefusedByItsCall) {
+  FixedSize scheme({.size = 10});
+  Simulator simulator(scheme, [](std::size_t, double t_us) { return t_us < 1000 ? 1.0 : -1.0; });
+  const Events events = evenly_spaced(100, 30);
+  EXPECT_EQ(test::error_of([&] { simulator.feed(events); }),
+            "cost(10, 1170) = -1: give the us that n events take, from t_us on: finite and not "
+            "negative");
+  EXPECT_TRUE(simulator.ledger().balanced());
+}
+
+TEST(Simulator, ASpeedDividesTheStamps) {
+  Events slow_events = evenly_spaced(1000, 40);
+  Events fast_events = evenly_spaced(1000, 10);
+  const auto run = [](EventSpan events, double speed) {
+    FixedSize scheme({.size = 10});
+    Simulator simulator(scheme, slow(), {.capacity = 200}, {}, nullptr, speed);
+    simulator.feed(events);
+    simulator.finish();
+    return simulator.stats();
+  };
+  const RunStats stats = run(slow_events, 4);
+  const RunStats expected = run(fast_events, 1);
+  EXPECT_GT(expected.ledger.overflow, 0u);
+  EXPECT_EQ(stats.ledger, expected.ledger);
+  EXPECT_EQ(stats.latency.max_ns(), expected.latency.max_ns());
+  EXPECT_EQ(stats.gap_us, expected.gap_us);
+  FixedSize scheme;
+  EXPECT_EQ(test::error_of([&] { Simulator(scheme, slow(), {}, {}, nullptr, 0); }),
+            "speed = 0: must be between 0.001 and 1e6");
 }
 
 TEST(Simulator, ItsStatsAreThoseOfTheRun) {

@@ -9,9 +9,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
+#include <variant>
 #include <vector>
 
 #include "asap/core/event.hpp"
@@ -80,14 +82,22 @@ class LinearCost {
   LinearCostConfig config_;
 };
 
+// A simulated algorithm of your own: us that n events of a package take that starts at t_us, on the
+// recording's axis. Called once per package; where the execution is anytime with n = 0 and then
+// after each part with the events so far. Finite and not negative; what it throws comes out of the
+// simulator unchanged.
+using CostFunction = std::function<double(std::size_t n, double t_us)>;
+
+using SimulatedCost = std::variant<LinearCost, CostFunction>;
+
 class Admission;
 
 class Simulator {
  public:
   // The scheme outlives the simulator, and so does `admission`, a filter on arrival for rivals of
-  // an experiment: with one no mask is kept.
-  Simulator(Scheme& scheme, LinearCost cost, RunConfig config = {}, Consumer consumer = {},
-            Admission* admission = nullptr);
+  // an experiment: with one no mask is kept. `speed`: as in ReplayConfig.
+  Simulator(Scheme& scheme, SimulatedCost cost, RunConfig config = {}, Consumer consumer = {},
+            Admission* admission = nullptr, double speed = 1.0);
   ~Simulator();
 
   // Events in arrival order. Runs as far as they allow. An exception of the consumer or of the
