@@ -292,3 +292,16 @@ ONE = asap.Greedy()
 def test_bad_arguments_are_named(options, error, words):
     with pytest.raises(error, match=words):
         asap.compare(EVENTS[:10], **{"cost": COST, **options})
+
+
+def test_the_oracle_takes_a_window_and_the_seed_of_the_others(tmp_path):
+    path = tmp_path / "events.npy"
+    np.save(path, EVENTS)
+    first_us, options = int(EVENTS["t"][0]), {"cost": COST, "latency_ms": 5}
+    elapsed_s = (EVENTS["t"] - first_us) * 1e-6
+    inside = EVENTS[(elapsed_s >= 0.01) & (elapsed_s < 0.03)].copy()
+    assert 0 < inside.size < EVENTS.size
+    found = asap.oracle(path, start=0.01, stop=0.03, seed=7, **options)
+    assert found == asap.oracle(inside, **options)
+    with pytest.raises(ValueError, match="seed = -1"):
+        asap.oracle(EVENTS, seed=-1, **options)

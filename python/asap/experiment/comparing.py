@@ -144,7 +144,10 @@ def oracle(
     speed: float = 1.0,
     width: int | None = None,
     height: int | None = None,
+    start: float | None = None,
+    stop: float | None = None,
     on_bad: str = "drop",
+    seed: int = 0,
 ) -> float:
     """Count the events that the best possible scheduler finishes within a latency bound.
 
@@ -165,6 +168,9 @@ def oracle(
         As in `simulate`. OB depends on it where the cost has noise; EC does not.
     speed, width, height, start, stop, on_bad
         As in `compare`.
+    seed : int
+        Of a gamma filter, which an oracle has none of: taken so that the arguments of `simulate`
+        fit; it changes nothing.
 
     Returns
     -------
@@ -185,8 +191,11 @@ def oracle(
     check_cost(cost)
     _checks.flag("exact", exact)
     check_execution(execution)
+    _checks.whole("seed", seed, 0, 2**64 - 1, "must be 0 to 2**64 - 1")
     bound_us = _core.checked_latency_ms(latency_ms) * 1e3
-    stream = CheckedStream(source, width=width, height=height, on_bad=on_bad, speed=speed)
+    stream = CheckedStream(
+        source, width=width, height=height, on_bad=on_bad, speed=speed, start=start, stop=stop
+    )
     if exact:
         return _core.exact_clairvoyant(joined(list(stream)), cost, bound_us)
     found = _core.Oracle(cost, bound_us, execution)
