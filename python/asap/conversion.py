@@ -140,7 +140,7 @@ def format_of(path: Path, to: str | None) -> str:
     try:
         return _SUFFIXES[path.suffix.lower()]
     except KeyError:
-        remedy = f"its suffix names no format; give to, one of {', '.join(WRITERS)}"
+        remedy = f"its suffix names no format; choose one of {', '.join(WRITERS)}"
         raise ValueError(_checks.named("path", str(path), remedy)) from None
 
 

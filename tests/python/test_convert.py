@@ -246,7 +246,7 @@ def test_the_verb(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main([*arguments, "--height=260", "--relative"]) == 0
     assert capsys.readouterr().out == f"wrote {out}: 3,000 events\n"
     assert asap.load(out)["t"][0] == 0
-    assert cli.main([*arguments, "--to", "evt2", "--json"]) == 0
+    assert cli.main([*arguments, "--format", "evt2", "--to", "3600s", "--json"]) == 0
     assert json.loads(capsys.readouterr().out) == {
         "schema_version": 1,
         "path": str(out),

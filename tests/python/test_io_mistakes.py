@@ -208,7 +208,9 @@ def test_raw_without_an_encoding_asks_for_it(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "verb", [["info"], ["run", "--cost", "1us+1ns"], ["convert", "--to", "csv"]], ids=lambda v: v[0]
+    "verb",
+    [["info"], ["run", "--cost", "1us+1ns"], ["convert", "--format", "csv"]],
+    ids=lambda v: v[0],
 )
 def test_most_events_are_bad_for_the_command_line(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], verb: list[str]

@@ -49,13 +49,9 @@ def add_recording(
     *,
     words: str = "a recording: Prophesee, AEDAT, HDF5, MATLAB, ROS bag, NumPy, text and others",
     on_bad: bool = True,
-    to_is_time: bool = True,
     nargs: str = "+",
 ) -> None:
-    """Add the recording and how to read it; without `on_bad`, bad events are always counted.
-
-    A verb that has another ``--to`` sets `stop`, the end of the window, itself.
-    """
+    """Add the recording and how to read it; without `on_bad`, bad events are always counted."""
     words += "; several files or a folder of numbered parts are read one after the other"
     parser.add_argument("file", metavar=metavar, nargs=nargs, help=words)
     for side in ("--width", "--height"):
@@ -83,10 +79,9 @@ def add_recording(
         metavar="1.5s",
         help="leave out what is earlier than this after the first event",
     )
-    if to_is_time:
-        parser.add_argument(
-            "--to", dest="stop", type=time, metavar="3s", help="leave out what is not earlier"
-        )
+    parser.add_argument(
+        "--to", dest="stop", type=time, metavar="3s", help="leave out what is not earlier"
+    )
     parser.add_argument(
         "--reorder-tolerance",
         type=typed(_units.parse_duration_us, "reorder_tolerance"),

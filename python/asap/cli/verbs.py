@@ -335,26 +335,21 @@ def _as_source(arguments: Any) -> asap.Recording | Path:
 
 def _add_convert(verbs: Any) -> None:
     verb = add_verb(verbs, "convert", _convert, "write a recording in another format")
-    add_recording(verb, "IN", to_is_time=False)
+    add_recording(verb, "IN")
     verb.add_argument("out", type=writable, metavar="OUT", help="the file to write")
     verb.add_argument(
-        "--to",
-        action="append",
-        default=[],
-        metavar="FORMAT|3s",
-        help=f"format: {', '.join(conversion.WRITERS)} (default: the suffix of OUT; .raw is evt3); "
-        "or a time, to leave out what is not earlier",
+        "--format",
+        choices=tuple(conversion.WRITERS),
+        metavar="NAME",
+        help=f"{', '.join(conversion.WRITERS)} (default: the suffix of OUT; .raw is evt3)",
     )
     verb.add_argument("--relative", action="store_true", help="count the time from the first event")
 
 
 def _convert(arguments: Any) -> int:
     out = arguments.out
-    times = [text for text in arguments.to if text[:1].isdigit()]
-    formats = [text for text in arguments.to if text not in times]
     with usage():
-        to = conversion.format_of(out, formats[-1] if formats else None)
-        arguments.stop = _units.parse_duration_us(times[-1], field="--to") if times else None
+        to = conversion.format_of(out, arguments.format)
     with reading(arguments):
         recording = open_recording(arguments)
         with writing(out):
