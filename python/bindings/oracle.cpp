@@ -44,13 +44,13 @@ execution : {"anytime", "whole"}
   m.def(
       "exact_clairvoyant",
       [](const py::array& events, const Held<LinearCost>& cost, double latency_us,
-         double most_steps) {
+         double max_steps) {
         const EventSpan span = as_span(events);
         const WithoutGil release;  // pure C++: other Python threads may run
-        return exact_clairvoyant(span, *cost, latency_us, most_steps);
+        return exact_clairvoyant(span, *cost, latency_us, max_steps);
       },
       py::arg("events").noconvert(), py::arg("cost"), py::arg("latency_us"),
-      py::arg("most_steps") = kMaxExactSteps,
+      py::arg("max_steps") = kMaxExactSteps,
       R"(The largest number of events that any scheduler can finish in time, in whole packages.
 
 Parameters
@@ -61,7 +61,7 @@ cost : LinearCost
     Its mean counts: without drift and outages.
 latency_us : float
     The latency bound, us; an event that ends at the bound is in time.
-most_steps : float
+max_steps : float
     Work that may be spent, in steps of the order of a nanosecond.
 
 Returns

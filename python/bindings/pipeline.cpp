@@ -21,7 +21,7 @@ void bind_stats(py::module_& m) {
       .def_readonly("open", &PipelineStats::open)
       .def_readonly("stalled", &PipelineStats::stalled)
       .def_readonly("gap_us", &PipelineStats::gap_us)
-      .def_readonly("most_waiting", &PipelineStats::max_waiting)
+      .def_readonly("max_waiting", &PipelineStats::max_waiting)
       .def_readonly("clock_resets", &PipelineStats::clock_resets)
       .def_readonly("upstream_marks", &PipelineStats::upstream_marks)
       .def_readonly("upstream_packets", &PipelineStats::upstream_packets)

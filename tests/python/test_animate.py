@@ -72,7 +72,7 @@ def test_a_cluster_is_drawn_around_its_events(tmp_path: Path) -> None:
 
 
 def test_many_events_are_thinned_evenly(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("asap.experiment.tracks._MOST_SEEN", 4000)
+    monkeypatch.setattr("asap.experiment.tracks._MAX_SEEN", 4000)
     seen = watched(moving()).algorithm.seen
     assert 1500 < len(seen) <= 4000
     counts, _ = np.histogram(seen["t"], 10)

@@ -85,7 +85,7 @@ def test_a_stalled_disk_loses_rows_and_counts_them(
 
 
 def test_the_file_is_bounded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(telemetry, "_MOST_ROWS", 12)
+    monkeypatch.setattr(telemetry, "_MAX_ROWS", 12)
     piped(tmp_path / "rows.csv")
     before, newest = rows_in(tmp_path / "rows.csv.1"), rows_in(tmp_path / "rows.csv")
     assert {len(before), len(newest)} <= set(range(1, 13)) and newest["index"][-1] == 29

@@ -75,7 +75,7 @@ Facts facts_of(const PipelineStats& stats) {
       {"upstream_lost.packets", number(stats.upstream_packets)},
       {"sensor_delay_us.last", us(stats.sensor_delay_ns)},
       {"sensor_delay_us.max", us(stats.sensor_delay_max_ns)},
-      {"most_waiting", number(stats.max_waiting)},
+      {"max_waiting", number(stats.max_waiting)},
       {"kept", share(ledger.delivered, ledger.received)},
       {"in_time", share(latency.within_bound(), ledger.received)},
       {"latency_us.mean", us(latency.mean_ns())},

@@ -26,8 +26,8 @@ from asap.synthetic import joined
 
 _DEFAULT_LATENCY_MS = 10.0
 _CHUNK = 1 << 16  # events that all get before any gets more
-_MOST_HELD = 1 << 20  # events, for the exact clairvoyant
-_MOST_EXACT_STEPS = 4e9  # some seconds
+_MAX_HELD = 1 << 20  # events, for the exact clairvoyant
+_MAX_EXACT_STEPS = 4e9  # some seconds
 
 
 def compare(
@@ -370,7 +370,7 @@ def side_by_side(
     feeds = [one.feed for one in simulators] + [one.feed for one in oracles.values()]
     threads = threads if threads is not None else os.cpu_count() or 1
     held: list[Events] = []
-    room = _MOST_HELD
+    room = _MAX_HELD
     with ThreadPoolExecutor(threads) as pool:  # feeding releases the GIL
         for events in stream:
             room -= events.size
@@ -394,7 +394,7 @@ def side_by_side(
 
 def _exact(events: Events, cost: _core.LinearCost, latency_ms: float) -> int | None:
     try:
-        return _core.exact_clairvoyant(events, cost, latency_ms * 1e3, _MOST_EXACT_STEPS)
+        return _core.exact_clairvoyant(events, cost, latency_ms * 1e3, _MAX_EXACT_STEPS)
     except ValueError:  # too many for an exact answer, or no one cost for all
         return None
 

@@ -360,7 +360,7 @@ class Pipeline:
     def stats(self) -> dict[str, Any]:
         """Sum up the run since the last start as one JSON object; at any time, from any thread.
 
-        Beside the keys of `run.summary()`: state; most_waiting, events that were in the ring at
+        Beside the keys of `run.summary()`: state; max_waiting, events that were in the ring at
         once; sensor_delay_us, how much longer than at best events of late took from the sensor to
         push; upstream_lost; pinned, package arrays that Python still holds; camera and telemetry,
         if it has them.
@@ -392,7 +392,7 @@ class Pipeline:
             "clock_resets": stats.clock_resets,
             "upstream_lost": {"marks": stats.upstream_marks, "packets": stats.upstream_packets},
             "sensor_delay_us": {"last": stats.sensor_delay_us, "max": stats.sensor_delay_max_us},
-            "most_waiting": stats.most_waiting,
+            "max_waiting": stats.max_waiting,
             "pinned": self._native.pinned,
             "kept": ledger["delivered"] / received if received else None,
             "in_time": latency.within_bound / received if received else None,

@@ -41,7 +41,7 @@ _LINE = ",".join(_FORMATS[kind] for kind in _KINDS) + "\n"
 _EVERY_S = 0.25
 _WRITE_S = 1.0
 _WAITING = 20  # looks that wait for the disk, thus 5 s
-_MOST_ROWS = 500_000  # in a file of 100 MB; then it becomes FILE.1, and a new one begins
+_MAX_ROWS = 500_000  # in a file of 100 MB; then it becomes FILE.1, and a new one begins
 _PATIENCE_S = 1.0  # for the disk, at the end
 
 
@@ -155,7 +155,7 @@ class TelemetryFile:
                 yield self._queue.get_nowait()
 
     def _append(self, rows: Rows) -> None:
-        if self._in_file + len(rows) > _MOST_ROWS:
+        if self._in_file + len(rows) > _MAX_ROWS:
             self.path.replace(f"{self.path}.1")
             self._in_file = 0
         lines = b"".join([(_LINE % row.item()).encode() for row in rows])

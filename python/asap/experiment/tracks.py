@@ -15,7 +15,7 @@ from asap.events import EVENT_DTYPE, Events
 
 _COLUMNS = ("id", "t", "x", "y", "vx", "vy", "size")
 _SHAPE = ("left", "top", "width", "height", "cxx", "cxy", "cyy")  # px, px^2, not in the file
-_MOST_SEEN = 1 << 20  # events that are kept for pictures; more thin each other out
+_MAX_SEEN = 1 << 20  # events that are kept for pictures; more thin each other out
 
 
 class Tracks:
@@ -79,7 +79,7 @@ class Tracks:
         self._seen.append(events[-self._noted % self._seen_every :: self._seen_every].copy())
         self._noted += len(events)
         self._seen_count += len(self._seen[-1])
-        if self._seen_count > _MOST_SEEN:
+        if self._seen_count > _MAX_SEEN:
             self._seen = [self.seen[::2].copy()]
             self._seen_count, self._seen_every = len(self._seen[0]), 2 * self._seen_every
 
