@@ -2,32 +2,28 @@
 
 from __future__ import annotations
 
-import concurrent.futures
 import copy
 import importlib
 import os
 import sys
-from collections import deque
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future
-from contextlib import ExitStack
 from functools import partial
 from queue import SimpleQueue
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
 from asap import _checks
 from asap.experiment.runners import Progress
 from asap.io import Recording
+from asap.io.errors import library
 from asap.results.data import can_be_pickled
 
 _TRIES = 2
 _MODULE = "define it at the top of a module, or give executor=ThreadPoolExecutor()"
 
-
-class _Worker(Protocol):
-    def submit(self, function: Callable[..., Any], element: Any, /) -> Future[Any]: ...
+_Submit = Callable[[Any], "Future[Any]"]
 
 
 def map(
@@ -49,7 +45,7 @@ def map(
     executor : concurrent.futures.Executor, optional
         Makes the calls, such as ``ThreadPoolExecutor()`` or the ``client.get_executor()`` of
         ``dask.distributed``; it stays open. Default: a process for each core, started as
-        ``multiprocessing`` is set up.
+        ``multiprocessing`` is set up; that needs ``asap-events[map]``.
     on_progress : callable, optional
         Called as on_progress(done, total, {}) after each element.
 
@@ -64,6 +60,8 @@ def map(
     ------
     TypeError
         An argument of the wrong kind, or a function that another process cannot find.
+    RuntimeError
+        Pebble, which keeps the processes, is not installed.
 
     Notes
     -----
@@ -86,11 +84,12 @@ def map(
         if not hasattr(executor, "submit"):
             remedy = "give an executor of concurrent.futures, or None"
             raise TypeError(_checks.named("executor", executor, remedy))
-        return _called(function, elements, [executor] * len(elements), on_progress)
+        return _called(lambda element: executor.submit(function, element), elements, on_progress)
     _check_found(function)
-    with ExitStack() as stack:
-        workers = [_Process(stack) for _ in range(min(len(elements), _cores()))]
-        return _called(partial(_in_process, function), elements, workers, on_progress)
+    pebble = library("pebble", "asap.map without an executor", "map")
+    with pebble.ProcessPool(max(min(len(elements), _cores()), 1)) as pool:
+        submit = partial(pool.submit, partial(_in_process, function), None)  # None: no time limit
+        return _called(submit, elements, on_progress, dead=pebble.ProcessExpired)
 
 
 def _listed(recordings: Any) -> list[Any]:
@@ -101,35 +100,39 @@ def _listed(recordings: Any) -> list[Any]:
 
 
 def _called(
-    function: Callable[[Any], Any],
+    submit: _Submit,
     elements: Sequence[Any],
-    workers: Sequence[_Worker],
     on_progress: Progress | None,
+    dead: type[BaseException] = BrokenExecutor,
 ) -> list[Any]:
-    """Give each worker an element at a time; a worker that stands there twice gets two."""
+    """Submit every element; once more where its process was `dead`."""
     results: list[Any] = [None] * len(elements)
-    tries = [0] * len(elements)
-    waiting, idle = deque(range(len(elements))), deque(workers)
-    running: dict[Future[Any], tuple[int, _Worker]] = {}
+    running: dict[Future[Any], tuple[int, int]] = {}  # the element, and which try it is
     ended: SimpleQueue[Future[Any]] = SimpleQueue()
-    done = 0
+
+    def begin(index: int, tries: int) -> None:
+        try:
+            future = submit(elements[index])
+        except BrokenExecutor as error:  # it is broken for good
+            future = Future()
+            future.set_exception(error)
+        running[future] = index, tries
+        future.add_done_callback(ended.put)
+
     try:
-        while waiting or running:
-            while waiting and idle:
-                index, worker = waiting.popleft(), idle.popleft()
-                future = _submitted(worker, function, elements[index])
-                running[future] = index, worker
-                future.add_done_callback(ended.put)
-            future = ended.get()
-            index, worker = running.pop(future)
-            idle.append(worker)
-            tries[index] += 1
-            error = CancelledError() if future.cancelled() else future.exception()
-            if isinstance(error, BrokenExecutor) and tries[index] < _TRIES:
-                waiting.append(index)
-                continue
+        for index in range(len(elements)):
+            begin(index, 1)
+        for done in range(1, len(elements) + 1):
+            while True:
+                future = ended.get()
+                index, tries = running.pop(future)
+                error = CancelledError() if future.cancelled() else future.exception()
+                if not isinstance(error, dead) or tries == _TRIES:
+                    break
+                begin(index, tries + 1)
+            if isinstance(error, dead) and not isinstance(error, BrokenExecutor):
+                error = BrokenExecutor(str(error))
             results[index] = future.result() if error is None else _failure(error, elements[index])
-            done += 1
             if on_progress is not None:
                 on_progress(done, len(elements), {})
     finally:
@@ -138,40 +141,12 @@ def _called(
     return results
 
 
-def _submitted(worker: _Worker, function: Callable[[Any], Any], element: Any) -> Future[Any]:
-    try:
-        return worker.submit(function, element)
-    except BrokenExecutor as error:
-        failed: Future[Any] = Future()
-        failed.set_exception(error)
-        return failed
-
-
 def _failure(error: BaseException, element: Any) -> BaseException:
     """Note the element at its exception; where several share one, each gets its own."""
     if "recording" in vars(error):
         error = copy.copy(error)
     vars(error)["recording"] = element
     return error
-
-
-class _Process:
-    """One process, started anew after it has died: a death is that of the one element in it."""
-
-    def __init__(self, stack: ExitStack) -> None:
-        self._stack = stack
-        self._start()
-
-    def _start(self) -> None:
-        # Imported here: it takes longer than the whole of asap.
-        self._pool = self._stack.enter_context(concurrent.futures.ProcessPoolExecutor(1))
-
-    def submit(self, function: Callable[..., Any], element: Any, /) -> Future[Any]:
-        try:
-            return self._pool.submit(function, element)
-        except BrokenExecutor:
-            self._start()
-            return self._pool.submit(function, element)
 
 
 def _in_process(function: Callable[[Any], Any], element: Any) -> Any:
