@@ -77,6 +77,7 @@ def test_rows_are_the_runs_in_numbers(comparison):
         assert row.scheme == run.scheme.name
         assert row.score == run.latency.within_bound / comparison.oracle
         assert (row.kept, row.in_time) == (run.kept, run.in_time)
+        assert row.late == round((run.kept - run.in_time) * EVENTS.size)
         assert row.p50_us == run.latency.quantile(0.5)
         assert row.p99_us == run.latency.quantile(0.99)
         assert row.max_us == run.latency.max

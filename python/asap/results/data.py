@@ -414,6 +414,8 @@ class Row:
     gap_us : int
         Longest time between two processed events of which at least one between was lost, us; see
         `Run.gap_us`.
+    late : int
+        Events finished after the bound, however little.
     overflow : float
         Lost because the buffer was full, as a share of the events received.
     packages_per_s : float
@@ -432,6 +434,7 @@ class Row:
     max_us: float
     gap_us: int
     overflow: float
+    late: int
     packages_per_s: float
     cpu: float
 
@@ -450,6 +453,7 @@ class Row:
             max_us=run.latency.max,
             gap_us=run.gap_us or 0,
             overflow=_share(run.ledger.overflow, received),
+            late=run.ledger.delivered - run.latency.within_bound,
             packages_per_s=run.packages.size / elapsed_s if elapsed_s > 0 else 0.0,
             cpu=float(run.packages["processing_us"].sum()) * 1e-6 / elapsed_s
             if elapsed_s > 0

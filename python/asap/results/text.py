@@ -435,8 +435,8 @@ def comparison_verdict(comparison: Comparison) -> str:
     if not keepers:
         none = f"No scheme keeps the bound of {bound} for 99 % of its events."
         return " ".join([none, *_more_than_default(comparison), _READ])
-    late = [row.label for row in keepers if not keeps(row.max_us, bound_us)]
-    never = [row.label for row in keepers if row.label not in late]
+    late = [row.label for row in keepers if row.late]
+    never = [row.label for row in keepers if not row.late]
     sentences = [_best(keepers, bound_us), *_more_than_default(comparison)]
     if never:
         sentences.append(f"No event is late with {_listed(never)}.")
