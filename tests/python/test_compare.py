@@ -242,14 +242,32 @@ def test_summary_is_json(comparison):
 
 
 @pytest.mark.parametrize(
-    ("cost", "rate_bound"), [((100, 300), 0.98 / 300e-9), ((100, 0), 5e6), ((5000, 300), 5e6)]
+    ("cost", "rate_bound", "min_size"),
+    [
+        ((100, 300), 0.9 * 0.98 / 300e-9, 20),
+        ((100, 200_000), 0.9 * 0.98 / 200e-6, 5),
+        ((100, 0), 5e6, 1),
+        ((5000, 300), 5e6, 1),
+    ],
 )
-def test_the_papers_scheme_gets_the_rate_bound_that_the_cost_can_do(cost, rate_bound):
+def test_the_papers_scheme_gets_what_its_user_is_advised_to_give(cost, rate_bound, min_size):
     """Where the cost tells none, it has its own."""
     events = streams.make(np.arange(100))
     found = asap.compare(events, cost=asap.LinearCost(*cost), latency_ms=10)
-    assert found.runs["Asap2020"].scheme.parameters["rate_bound"] == pytest.approx(rate_bound)
-    assert ("what this cost can do" in str(found)) == (rate_bound != 5e6)
+    given = found.runs["Asap2020"].scheme.parameters
+    assert given["rate_bound"] == pytest.approx(rate_bound)
+    assert given["min_size"] == min_size
+    assert ("90 % of what this cost can do" in str(found)) == (rate_bound != 5e6)
+
+
+@pytest.mark.parametrize("cost", [(100, 1500), (20, 3000)])
+def test_the_papers_scheme_is_compared_at_its_best(cost):
+    """With a rate bound of all that the cost can do its queue grows, here to .08 and .10."""
+    events = streams.poisson(1.5 / (cost[1] * 1e-9), 1.0)
+    found = asap.compare(
+        events, cost=asap.LinearCost(*cost, noise=0.05), latency_ms=10, execution="whole"
+    )
+    assert found["Asap2020"].score > 0.6
 
 
 def test_overflow_is_a_share():

@@ -21,7 +21,7 @@ from asap.experiment.runners import (
 )
 from asap.experiment.source import CheckedStream
 from asap.results import Comparison, Row, Run
-from asap.results.cost import Cost
+from asap.results.cost import RATE_SHARE, Cost
 from asap.synthetic import joined
 
 _DEFAULT_LATENCY_MS = 10.0
@@ -58,8 +58,9 @@ def compare(
     cost : LinearCost
         The simulated algorithm, the same for all.
     schemes : mapping of str to Scheme, or sequence of Scheme, optional
-        Default: those that a user chooses from; `Asap2020` with the rate bound that this cost can
-        do within the bound.
+        Default: those that a user chooses from. `Asap2020` gets what its user is advised to give:
+        a rate bound of 90 % of what this cost can do within the bound (with 98 % its queue grows
+        and most events are late), and packages of at least 20 events, or as many as take L/10.
     latency_ms : float, optional
         The latency bound of all, ms. Default: the schemes' own, else 10.
     seed : int
@@ -265,10 +266,11 @@ def _maker(kind: type[_core.Scheme], settings: Mapping[str, float]) -> Make:
 
     def make(latency_ms: float, cost: _core.LinearCost) -> _core.Scheme:
         given = dict(settings, latency_ms=latency_ms) if "latency_ms" in own else dict(settings)
-        if "rate_bound" in own:  # the one that its user would give: what the algorithm can do
+        if "rate_bound" in own:  # what its user is advised to give
             per = Cost(*(cost.parameters[name] for name in ("alpha_us", "beta_ns")))
-            if 0 < (rate_bound := per.throughput_hz(latency_ms * 1e3)) < math.inf:
-                given["rate_bound"] = rate_bound
+            if 0 < (rate_hz := per.throughput_hz(latency_ms * 1e3)) < math.inf:
+                given["rate_bound"] = RATE_SHARE * rate_hz
+                given["min_size"] = min(max(int(latency_ms * 1e5 / per.beta_ns), 1), 20)
         return kind(**given)
 
     return make

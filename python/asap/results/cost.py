@@ -14,6 +14,7 @@ Floats = NDArray[np.float64]
 
 BOUND_KEPT = 1.01  # times the bound
 LEAST_BOUND = 2.5  # fixed costs
+RATE_SHARE = 0.9  # of what a cost can do within the bound: the rate bound that keeps a queue short
 
 _FITTED = 8192  # packages; of more, so many are drawn at random
 _OF_NORMAL = 1.4826  # standard deviation over median absolute deviation

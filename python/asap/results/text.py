@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from asap import _units
-from asap.results.cost import BOUND_KEPT, LEAST_BOUND, Cost, keeps
+from asap.results.cost import BOUND_KEPT, LEAST_BOUND, RATE_SHARE, Cost, keeps
 from asap.results.data import Comparison, Finding, Inspection, Row, Run
 from asap.results.numbers import Diagnosis, diagnose, held_up_us
 
@@ -373,7 +373,8 @@ def _rate_bounds(comparison: Comparison) -> str:
     most_hz = Cost(cost["alpha_us"], cost["beta_ns"]).throughput_hz(comparison.latency_ms * 1e3)
     return "".join(
         f"; {label} with the rate bound a = {_units.rate(a_hz)}"
-        + ", what this cost can do within L" * math.isclose(a_hz, most_hz)
+        + f", {100 * RATE_SHARE:.0f} % of what this cost can do within L"
+        * math.isclose(a_hz, RATE_SHARE * most_hz)
         for label, run in comparison.runs.items()
         if (a_hz := run.scheme.parameters.get("rate_bound"))
     )
