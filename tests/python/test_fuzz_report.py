@@ -1,4 +1,4 @@
-"""``asap report`` of changed files: exit code 3 and one line, or a page that can do no harm."""
+"""``asap report`` of other files: exit code 3 and one line, or a page that can do no harm."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import copy
 import io
 import json
 import re
-from contextlib import redirect_stderr, redirect_stdout, suppress
+from contextlib import redirect_stderr, redirect_stdout
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
@@ -19,7 +19,6 @@ import asap
 import streams
 from asap.cli import main
 from fuzzing import INTERESTING, effort
-from test_saved_run import npy, rewrite
 
 POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
 ATTACK = "</title></template><script>alert(1)</script><img src=http://x.example/ onerror=a()>\"'&"
@@ -39,20 +38,11 @@ VALUES = st.recursive(
 )
 
 
-COLUMNS = tuple(asap._core.PACKAGE_DTYPE.names or ())
-
-
-def packages(folder: Path) -> Any:
-    return asap.load_run(folder / "run.npz").packages
-
-
 @pytest.fixture(scope="module")
 def saved(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Any]]:
     folder = tmp_path_factory.mktemp("report")
     events = streams.poisson(2e5, 0.02)
-    run = asap.simulate(events, cost=asap.LinearCost(100, 300))
-    run.save(folder / "run.npz")
-    return folder, run.summary()
+    return folder, asap.simulate(events, cost=asap.LinearCost(100, 300)).summary()
 
 
 class Elements(HTMLParser):
@@ -101,66 +91,6 @@ def report_of_changed(folder: Path) -> int:
     return code
 
 
-def places(value: Any, path: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
-    """Every place in a document; of a list the first and the last."""
-    found = [path] if path else []
-    if isinstance(value, dict):
-        for key, inner in value.items():
-            found += places(inner, (*path, key))
-    elif isinstance(value, list) and len(path) < 3:
-        for key in (0, len(value) - 1) if value else ():
-            found += places(value[key], (*path, key))
-    return found
-
-
-def put(document: Any, path: tuple[Any, ...], value: Any) -> None:
-    for key in path[:-1]:
-        document = document[key]
-    document[path[-1]] = value
-
-
-def report_of_archive(folder: Path, **changed: bytes) -> int:
-    (folder / "changed.json").write_bytes((folder / "run.npz").read_bytes())
-    rewrite(folder / "changed.json", **changed)
-    return report_of_changed(folder)
-
-
-@effort(20, long=600)
-@given(data=st.data(), as_archive=st.booleans())
-def test_a_changed_summary(
-    saved: tuple[Path, dict[str, Any]], data: st.DataObject, as_archive: bool
-) -> None:
-    folder, good = saved
-    summary = copy.deepcopy(good)
-    for _ in range(data.draw(st.integers(1, 2))):
-        put(summary, data.draw(st.sampled_from(places(summary))), data.draw(VALUES))
-    with pytest.MonkeyPatch.context() as patch:
-        if data.draw(st.integers(0, 19)) != 13:  # the figures take most of a second
-            patch.setattr("asap.results.figures.svg", lambda _: "")
-        if as_archive:
-            report_of_archive(folder, summary__json=json.dumps(summary).encode())
-        else:
-            report(folder, summary)
-
-
-@effort(20, long=600)
-@given(
-    column=st.sampled_from(COLUMNS),
-    place=st.sampled_from((0, -1)),
-    number=st.one_of(st.floats(), st.integers(-(2**63), 2**63 - 1)),
-)
-def test_a_changed_column(
-    saved: tuple[Path, dict[str, Any]], column: str, place: int, number: float
-) -> None:
-    folder, _ = saved
-    changed = packages(folder)[column].copy()
-    with suppress(OverflowError, ValueError):  # a float that no whole number is
-        changed[place] = number
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("asap.results.figures.svg", lambda _: "")
-        report_of_archive(folder, **{f"{column}__npy": npy(changed)})
-
-
 @effort(40)
 @given(st.one_of(VALUES.map(json.dumps), st.text(max_size=60)))
 @example("[" * 100_000)
@@ -181,32 +111,3 @@ def test_every_text_is_escaped(saved: tuple[Path, dict[str, Any]]) -> None:
     document["rejected"] = {attack: 3}
     document["mode"] = attack
     assert report(folder, document) == 0
-
-
-LIES = {
-    "a number beyond 64 bits": ("ledger", "received", 2**70),
-    "less than nothing": ("ledger", "stale", -1),
-    "no number": ("scheme", "rate_bound", "fast"),
-    "a part that is missing": ("source", "duration_s", None),
-    "infinity": ("algorithm", "alpha_us", float("inf")),
-    "a time beyond all": ("source", "duration_s", 1e300),
-}
-
-
-@pytest.mark.parametrize("lie", LIES)
-def test_what_is_no_run_is_told_in_one_line(saved: tuple[Path, dict[str, Any]], lie: str) -> None:
-    folder, good = saved
-    document = copy.deepcopy(good)
-    *path, value = LIES[lie]
-    put(document, tuple(path), value)
-    assert report(folder, document) == 3
-
-
-def test_objects_inside_objects_have_an_end(saved: tuple[Path, dict[str, Any]]) -> None:
-    folder, good = saved
-    document = copy.deepcopy(good)
-    deep: dict[str, Any] = {}
-    for _ in range(300):
-        deep = {"a": deep}
-    document["algorithm"]["a"] = deep
-    assert report(folder, document) == 3
