@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,7 @@ RATE_SHARE = 0.9  # of what a cost can do within the bound: the rate bound that 
 _FITTED = 8192  # packages; of more, so many are drawn at random
 _OF_NORMAL = 1.4826  # standard deviation over median absolute deviation
 _OF_MEDIAN = 1.25  # standard error of a median over that of a mean
+_CLAIMED = 3.0  # standard errors
 _PLACE = 1e-6  # precision of the fixed share, as the argument of a logistic function
 _SURE = 0.05  # standard error of the fixed share at which alpha and beta are told apart
 
@@ -29,13 +30,16 @@ class Cost:
 
     X is lognormal of mean 1 with sigma = `noise`, as in `LinearCost`. `one_size` is None unless the
     packages were too few, or too alike in size, to tell alpha from beta: then it is their typical
-    size, and the cost is known for packages like them.
+    size, and the cost is known for packages like them. `beta_error_ns` is three standard errors of
+    the slope; where they exceed it, none is claimed: `beta_ns` is 0, and the error what an event
+    costs at most.
     """
 
     alpha_us: float
     beta_ns: float
     noise: float = 0.0
     one_size: int | None = None
+    beta_error_ns: float = 0.0
 
     def throughput_hz(self, bound_us: float) -> float:
         """Largest event rate whose latency stays below the bound at full load.
@@ -47,6 +51,11 @@ class Cost:
         if self.beta_ns > 0:
             return share / self.beta_ns * 1e9
         return np.inf if share > 0 else 0.0
+
+    @property
+    def dearest(self) -> Cost:
+        """The same with the largest slope that the error allows."""
+        return replace(self, beta_ns=self.beta_ns + self.beta_error_ns)
 
     @property
     def least_bound_us(self) -> float:
@@ -69,7 +78,8 @@ def fit(packages: NDArray[np.void], learned: Cost | None, execution: str) -> Cos
     Notes
     -----
     The line has the least mean absolute deviation of log c from log(alpha + beta n), alpha >= 0 and
-    beta >= 0: a package that the machine interrupted does not tilt it. The noise is the median
+    beta >= 0. It is fitted twice, the second time without the packages more than three sigma above:
+    a pause meets long packages more often and would pass for a slope. The noise is the median
     absolute deviation, as that of a normal distribution; a mean is exp(noise^2 / 2) medians.
 
     A scheme with a budget ends an anytime package by the clock: its size follows from its cost and
@@ -82,20 +92,28 @@ def fit(packages: NDArray[np.void], learned: Cost | None, execution: str) -> Cos
     rows = rows[(rows["size"] > 0) & (rows["processing_us"] > 0)]
     if rows.size == 0:
         return Cost(0.0, 0.0)
-    typical = float(np.exp(np.log(rows["size"]).mean()))
-    size, log_cost = rows["size"] / typical, np.log(rows["processing_us"])
-    whole = rows["size"] == rows["offered"]
-    share, error = _fixed_share(
-        None if execution == "whole" else learned, size, log_cost, whole, typical
-    )
-    off = log_cost - np.log(share + (1 - share) * size)
-    noise = _noise(off)
-    mean_us = float(np.exp(np.median(off) + min(noise, 1.0) ** 2 / 2))
+    for _ in range(2):
+        typical = float(np.exp(np.log(rows["size"]).mean()))
+        size, log_cost = rows["size"] / typical, np.log(rows["processing_us"])
+        whole = rows["size"] == rows["offered"]
+        share, error = _fixed_share(
+            None if execution == "whole" else learned, size, log_cost, whole, typical
+        )
+        off = log_cost - np.log(share + (1 - share) * size)
+        noise, middle = _noise(off), float(np.median(off))
+        rows = rows[off - middle <= 3 * noise + 1e-6]
+    mean_us = float(np.exp(middle + min(noise, 1.0) ** 2 / 2))
+    one_size = None if error <= _SURE else round(typical)
+    error = min(_CLAIMED * error, share) * (error > _PLACE)
+    is_flat = 1 - share < error
+    slope, error = (0.0, 1 - share + error) if is_flat else (1 - share, error)
+    per_event_ns = mean_us / typical * 1e3
     return Cost(
-        alpha_us=_rounded(share * mean_us),
-        beta_ns=_rounded((1 - share) * mean_us / typical * 1e3),
+        alpha_us=_rounded((1.0 if is_flat else share) * mean_us),
+        beta_ns=_rounded(slope * per_event_ns),
         noise=_rounded(noise),
-        one_size=None if error <= _SURE else round(typical),
+        one_size=one_size,
+        beta_error_ns=_rounded(error * per_event_ns),
     )
 
 

@@ -310,7 +310,9 @@ def diagnose(run: Run, *, wanted: float = 0.95) -> Diagnosis:
     elif in_time >= wanted:
         limit = "camera"
     else:
-        limit = "scheme" if cost.one_size is None else "unknown"
+        keeps_up = cost.dearest.throughput_hz(bound_us) >= needed_hz
+        is_told = cost.one_size is None and (cost.beta_ns > 0 or keeps_up)
+        limit = "scheme" if is_told else "unknown"
     mean_hz = float(rates_hz.mean()) if rates_hz.size else 0.0
     return Diagnosis(limit, cost, mean_hz, needed_hz, needed_bound_us, speedup, late_share)
 

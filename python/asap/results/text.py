@@ -212,11 +212,13 @@ def _explanation(run: Run, found: Diagnosis) -> str:
 def _run_cost(cost: Cost) -> str:
     noise = f"{100 * cost.noise:.0f}"
     spread = f", +- {noise} %" if noise != "0" else ""
-    per_event_us = cost.beta_ns / 1e3
+    per_event = _units.duration((cost.beta_ns or cost.beta_error_ns) / 1e3)
     if cost.one_size is None:
-        per_package = _units.duration(cost.alpha_us)
-        return f"{per_package} per package + {_units.duration(per_event_us)} per event{spread}"
-    package = _units.duration(cost.alpha_us + per_event_us * cost.one_size)
+        least = "at most " * (cost.beta_ns == 0 < cost.beta_error_ns)
+        return (
+            f"{_units.duration(cost.alpha_us)} per package + {least}{per_event} per event{spread}"
+        )
+    package = _units.duration(cost.alpha_us + cost.beta_ns / 1e3 * cost.one_size)
     events = "1 event" if cost.one_size == 1 else f"{_units.count(cost.one_size)} events"
     return f"{package} per package of {events}{spread}"
 
@@ -243,13 +245,14 @@ def _run_remedy(run: Run, found: Diagnosis) -> str:
             f"A longer bound does not help. To process 95 % in time, {faster}: it has to process "
             f"{_units.rate(found.needed_hz)}."
         )
-    passes_hz = found.cost.throughput_hz(run.latency_bound_us)
+    is_told = found.cost.beta_ns > 0 and found.cost.one_size is None
+    passes_hz = (found.cost if is_told else found.cost.dearest).throughput_hz(run.latency_bound_us)
     if passes_hz == float("inf"):
         passes = f"The algorithm keeps up with any event rate within {bound}."
     else:
         passes = (
-            f"The algorithm can process {_units.rate(passes_hz)} within {bound}; "
-            f"{_units.rate(found.offered_hz)} arrived on average."
+            f"The algorithm can process {'' if is_told else 'at least '}{_units.rate(passes_hz)} "
+            f"within {bound}; {_units.rate(found.offered_hz)} arrived on average."
         )
     more = " asap.compare shows which scheme processes more."
     return passes + more * (found.limit == "scheme")
