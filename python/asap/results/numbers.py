@@ -367,11 +367,12 @@ def _most_in(rates_hz: Floats, share: float) -> float:
 
 
 def _explains(run: Run, cost: Cost, rates_hz: Floats) -> bool:
-    """Whether the scheme dropped at most twice what has to be dropped at this cost (T6)."""
+    """Whether at most twice as much was lost or late as has to be dropped at this cost (T6)."""
     ledger = run.ledger
     passed = float(np.minimum(rates_hz, cost.throughput_hz(run.latency_bound_us)).sum())
     unavoidable = (ledger.received - ledger.rejected) * (1 - passed / float(rates_hz.sum()))
-    return ledger.discarded + ledger.stale <= 2 * unavoidable
+    late = ledger.delivered - run.latency.within_bound
+    return ledger.discarded + ledger.stale + late <= 2 * unavoidable
 
 
 class Windows(NamedTuple):
