@@ -2,11 +2,99 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
 import pytest
 
 import asap
 import streams
 from asap import analysis
+
+Events = Any
+
+
+def bursts(mean_hz: float, duration_s: float, period_s: float = 0.5) -> Events:
+    """Seven tenths of the events come in three tenths of each period."""
+    rng = np.random.default_rng(7)
+    place = rng.random(round(mean_hz * duration_s))
+    within = np.where(place < 0.7, place / 0.7 * 0.3, 0.3 + (place - 0.7) / 0.3 * 0.7)
+    period = rng.integers(0, round(duration_s / period_s), place.size)
+    return streams.make(np.sort((period + within) * period_s * 1e6))
+
+
+@dataclass(frozen=True)
+class Case:
+    """A load on an algorithm of 1 ms per package and 15 us per event, within 50 ms."""
+
+    load: float = 0.3
+    alpha_us: float = 1000.0
+    beta_ns: float = 15_000.0
+    noise: float = 0.1
+    latency_ms: float = 50.0
+    rate_hz: float | None = None
+    in_bursts: bool = False
+    outages_ms: tuple[tuple[float, float], ...] = ()
+    scheme: Any = None
+    execution: str = "whole"
+
+    def run(self, **others: Any) -> asap.Run:
+        """Simulate 8 s of it; `others` replace fields."""
+        case = replace(self, **others)
+        rate_hz = self.rate_hz or self.load / 15e-6
+        events = bursts(rate_hz, 8.0) if self.in_bursts else streams.poisson(rate_hz, 8.0)
+        cost = asap.LinearCost(
+            case.alpha_us,
+            case.beta_ns,
+            noise=case.noise,
+            outages_ms=list(case.outages_ms) or None,
+        )
+        latency_ms, scheme = case.latency_ms, case.scheme and case.scheme()
+        return asap.simulate(
+            events, cost=cost, latency_ms=latency_ms, scheme=scheme, execution=case.execution
+        )
+
+
+KINDS = [
+    ("camera", Case()),
+    ("camera", Case(load=0.85)),
+    ("camera", Case(alpha_us=3000, beta_ns=15, rate_hz=5e4)),
+    ("bound", Case(load=0.7, in_bursts=True)),
+    ("bound", Case(load=0.85, in_bursts=True, noise=0.0)),
+    ("bound", Case(load=0.7, in_bursts=True, execution="anytime")),
+    ("algorithm", Case(load=1.3)),
+    ("algorithm", Case(load=3.0, in_bursts=True)),
+    ("fixed cost", Case(alpha_us=30_000, beta_ns=15, rate_hz=2e4)),
+    ("scheme", Case(load=1.1, scheme=asap.Greedy)),
+    ("scheme", Case(scheme=lambda: asap.Asap2020(rate_bound=5e3))),
+    ("unknown", Case(scheme=asap.SingleEvent)),
+]
+
+
+@pytest.mark.parametrize(("limit", "case"), KINDS)
+def test_the_verdict_names_what_limits(limit: str, case: Case) -> None:
+    run = case.run()
+    found = analysis.diagnose(run)
+    assert found.limit == limit, str(run)
+    assert (run.in_time < 0.95) == (limit != "camera")
+    if limit == "bound":
+        assert found.bound_us is not None
+        assert case.run(latency_ms=found.bound_us / 1e3).in_time > 0.95
+    if limit == "algorithm":
+        assert found.bound_us is None and np.isinf(found.longest_us)
+        faster = 1.1 * found.speedup
+        quick = {"alpha_us": case.alpha_us / faster, "beta_ns": case.beta_ns / faster}
+        assert case.run(**quick, outages_ms=()).in_time > 0.95
+
+
+def test_a_bound_that_the_run_cannot_tell_of_is_not_ruled_out() -> None:
+    """Bursts of 2 s: the mean load is below one, and a quarter of the run is 2 s."""
+    events = bursts(0.85 / 15e-6, 8.0, period_s=4.0)
+    run = asap.simulate(events, cost=asap.LinearCost(1000, 15_000), latency_ms=50)
+    found = analysis.diagnose(run)
+    assert (found.limit, found.bound_us) == ("algorithm", None)
+    assert found.longest_us == pytest.approx(2e6, rel=0.01)
 
 
 @pytest.mark.parametrize("noise", [0.1, 0.3, 0.5])

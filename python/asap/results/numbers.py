@@ -257,7 +257,10 @@ class Diagnosis:
     needed_hz : float
         Throughput that keeps the wanted share of the events.
     bound_us : float or None
-        Latency bound that gives it; None where no bound does.
+        Latency bound that gives it; None where none does that the run can tell of.
+    longest_us : float
+        The longest bound that the run can tell of, a quarter of its duration; infinite where the
+        mean load is so large that no bound does.
     speedup : float
         How many times faster the algorithm would have to be, at the bound of the run.
     late_share : float
@@ -270,6 +273,7 @@ class Diagnosis:
     offered_hz: float
     needed_hz: float
     bound_us: float | None
+    longest_us: float
     speedup: float
     late_share: float
 
@@ -286,10 +290,9 @@ def diagnose(run: Run, *, wanted: float = 0.95) -> Diagnosis:
     found = windows(run, bound_us * run.speed)
     rates_hz = found.rate_hz(found.received, run.speed)
     needed_hz = _throughput_to_keep(rates_hz, wanted)
-    # T6 solved for L, and for a factor on alpha and beta together.
-    load = cost.beta_ns * needed_hz / 1e9
-    needed_bound_us = 2 * cost.alpha_us / (1 - load) if load < 1 else None
-    speedup = load + 2 * cost.alpha_us / bound_us
+    # T6 solved for a factor on alpha and beta together.
+    speedup = cost.beta_ns * needed_hz / 1e9 + 2 * cost.alpha_us / bound_us
+    needed_bound_us, longest_us = _bound_to_keep(run, found, cost, wanted)
     late_share = _late_share(run)
     in_time = _good_in_time(run)
     if run.ledger.received == 0:
@@ -314,7 +317,31 @@ def diagnose(run: Run, *, wanted: float = 0.95) -> Diagnosis:
         is_told = cost.one_size is None and (cost.beta_ns > 0 or keeps_up)
         limit = "scheme" if is_told else "unknown"
     mean_hz = float(rates_hz.mean()) if rates_hz.size else 0.0
-    return Diagnosis(limit, cost, mean_hz, needed_hz, needed_bound_us, speedup, late_share)
+    return Diagnosis(
+        limit, cost, mean_hz, needed_hz, needed_bound_us, longest_us, speedup, late_share
+    )
+
+
+def _bound_to_keep(
+    run: Run, found: Windows, cost: Cost, wanted: float
+) -> tuple[float | None, float]:
+    """Find the shortest bound whose own windows let the wanted share through (T6), us.
+
+    Each is 2 % longer than the one before, and the longest a quarter of the run, which is returned
+    too: infinite where more comes than the algorithm can do at any bound.
+    """
+    edges_us, came = found.edges_s * 1e6 / run.speed, np.append(0.0, np.cumsum(found.received))
+    if came[-1] * wanted * cost.beta_ns / 1e3 >= edges_us[-1]:
+        return None, np.inf
+    tried_us, longest_us = run.latency_bound_us, max(edges_us[-1] / 4, run.latency_bound_us)
+    while tried_us <= longest_us:
+        at_us = np.append(np.arange(0.0, edges_us[-1], tried_us), edges_us[-1])
+        passes = cost.throughput_hz(tried_us) * np.diff(at_us) / 1e6
+        events = np.diff(np.interp(at_us, edges_us, came))
+        if np.minimum(events, passes).sum() >= wanted * came[-1]:
+            return tried_us, longest_us
+        tried_us *= 1.02
+    return None, longest_us
 
 
 def _bad_data_limit(run: Run, wanted: float) -> bool:

@@ -241,9 +241,10 @@ def _run_remedy(run: Run, found: Diagnosis) -> str:
         longer = _units.duration(found.bound_us)
         return f"To process 95 % in time, use a bound of {longer} or {faster}."
     if found.limit == "algorithm":
+        up_to = f"bound of up to {_units.duration(found.longest_us)}"
         return (
-            f"A longer bound does not help. To process 95 % in time, {faster}: it has to process "
-            f"{_units.rate(found.needed_hz)}."
+            f"A {'longer bound' if math.isinf(found.longest_us) else up_to} does not help. To "
+            f"process 95 % in time, {faster}: it has to process {_units.rate(found.needed_hz)}."
         )
     is_told = found.cost.beta_ns > 0 and found.cost.one_size is None
     passes_hz = (found.cost if is_told else found.cost.dearest).throughput_hz(run.latency_bound_us)
