@@ -56,16 +56,25 @@ class Case:
         )
 
 
+PAUSES = tuple((at, at + 300.0) for at in np.arange(700.0, 8000.0, 2000.0))
 KINDS = [
     ("camera", Case()),
     ("camera", Case(load=0.85)),
+    ("camera", Case(outages_ms=PAUSES[:1])),
     ("camera", Case(alpha_us=3000, beta_ns=15, rate_hz=5e4)),
     ("bound", Case(load=0.7, in_bursts=True)),
     ("bound", Case(load=0.85, in_bursts=True, noise=0.0)),
     ("bound", Case(load=0.7, in_bursts=True, execution="anytime")),
     ("algorithm", Case(load=1.3)),
     ("algorithm", Case(load=3.0, in_bursts=True)),
+    ("algorithm", Case(load=2.0, outages_ms=PAUSES)),
+    ("algorithm", Case(load=2.0, outages_ms=((0.5, 300.0),))),
     ("fixed cost", Case(alpha_us=30_000, beta_ns=15, rate_hz=2e4)),
+    ("first call", Case(outages_ms=((0.5, 3000.0),))),
+    ("first call", Case(load=0.85, outages_ms=((0.5, 3000.0),), execution="anytime")),
+    ("first call", Case(outages_ms=((0.5, 7990.0),))),
+    ("pauses", Case(outages_ms=PAUSES)),
+    ("pauses", Case(load=0.85, outages_ms=PAUSES, execution="anytime")),
     ("scheme", Case(load=1.1, scheme=asap.Greedy)),
     ("scheme", Case(scheme=lambda: asap.Asap2020(rate_bound=5e3))),
     ("unknown", Case(scheme=asap.SingleEvent)),
@@ -86,6 +95,9 @@ def test_the_verdict_names_what_limits(limit: str, case: Case) -> None:
         faster = 1.1 * found.speedup
         quick = {"alpha_us": case.alpha_us / faster, "beta_ns": case.beta_ns / faster}
         assert case.run(**quick, outages_ms=()).in_time > 0.95
+    if limit in ("first call", "pauses"):
+        assert case.run(outages_ms=()).in_time > 0.95
+        assert found.pauses.first == (limit == "first call")
 
 
 def test_a_bound_that_the_run_cannot_tell_of_is_not_ruled_out() -> None:
@@ -95,6 +107,19 @@ def test_a_bound_that_the_run_cannot_tell_of_is_not_ruled_out() -> None:
     found = analysis.diagnose(run)
     assert (found.limit, found.bound_us) == ("algorithm", None)
     assert found.longest_us == pytest.approx(2e6, rel=0.01)
+
+
+@pytest.mark.parametrize(("held", "limit"), [(None, "pauses"), (0.2, "pauses"), (0.7, "machine")])
+def test_pauses_without_a_processor_are_the_machines(held: float | None, limit: str) -> None:
+    run = Case(outages_ms=PAUSES).run()
+    held_s = held and held * 8 * analysis.diagnose(run).pauses.excess_share
+    assert analysis.diagnose(replace(run, held_s=held_s)).limit == limit
+
+
+def test_a_run_measures_how_long_its_thread_had_no_processor() -> None:
+    run = asap.run(streams.poisson(1e4, 0.1), algorithm=lambda events: None, latency_ms=10)
+    assert run.held_s is None or 0 <= run.held_s < 60
+    assert asap.simulate(streams.make([1]), cost=asap.LinearCost(1, 1)).held_s is None
 
 
 @pytest.mark.parametrize("noise", [0.1, 0.3, 0.5])
@@ -110,3 +135,13 @@ def test_no_slope_is_claimed_that_its_own_error_exceeds(noise: float, interrupte
         assert found.one_size is not None or abs(found.beta_ns - 15) <= found.beta_error_ns
         assert found.beta_ns == 0 or found.beta_ns > found.beta_error_ns
         assert found.dearest.throughput_hz(10_000) <= 1.1 * 0.5 / 15e-9
+
+
+def test_packages_that_took_far_longer_are_counted() -> None:
+    """The median deviation of 98 % of the packages does not show them."""
+    run = Case(outages_ms=PAUSES, noise=0.04).run()
+    found = analysis.diagnose(run)
+    assert found.cost.noise == pytest.approx(0.04, abs=0.01)
+    assert (found.pauses.slow, found.pauses.first) == (len(PAUSES), 0)
+    assert found.pauses.share == pytest.approx(len(PAUSES) * 0.3 / 8, rel=0.1)
+    assert f"{len(PAUSES)} packages took" in str(run)

@@ -7,7 +7,7 @@ from typing import Any
 
 from asap import _checks
 from asap.experiment.pipeline import Pipeline
-from asap.experiment.runners import keep
+from asap.experiment.runners import keep, thread_held_s
 from asap.results import Ledger, Run
 
 
@@ -32,19 +32,20 @@ class CameraRun(Pipeline):
                 counts = dict(self.ledger)
                 on_progress(counts["received"] - counts["pending"], None, counts)
 
+        held_s = thread_held_s()
         try:
             with self:
                 self._native.run(self.algorithm, poll)
                 self._log.look(now=True)
         finally:
-            run = keep(self._outcome())
+            run = keep(self._outcome(thread_held_s(held_s)))
         self._camera.raise_error()
         if run.ledger.received == 0:
             silent = f"{self._camera}: no event came; look at its lens cap, its biases, the scene"
             warnings.warn(silent, RuntimeWarning, stacklevel=4)
         return run
 
-    def _outcome(self) -> Run:
+    def _outcome(self, held_s: float | None) -> Run:
         stats = self._native.stats()
         ledger = Ledger.of(stats.ledger)
         return Run(
@@ -69,4 +70,5 @@ class CameraRun(Pipeline):
             gap_us=stats.gap_us,
             execution=self._config.execution,
             seed=self._config.seed,
+            held_s=held_s,
         )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 from asap import _checks, _core
@@ -235,6 +236,7 @@ def run(
             counts = dict(Ledger.of(replay.ledger))
             on_progress(counts["received"] - counts["pending"], stream.total_hint, counts)
 
+    held_s = thread_held_s()
     try:
         if stream.array is not None:
             for events in stream:
@@ -243,7 +245,14 @@ def run(
             _replay_stream(replay, stream, algorithm, poll)
     finally:
         outcome = remember(
-            replay, stream, config, scheme, algorithm, mode="real", speed=float(speed)
+            replay,
+            stream,
+            config,
+            scheme,
+            algorithm,
+            mode="real",
+            speed=float(speed),
+            held_s=held_s,
         )
     return outcome
 
@@ -387,6 +396,7 @@ def remember(
     *,
     mode: str,
     speed: float = 1.0,
+    held_s: float | None = None,
 ) -> Run:
     """Make the Run of what there is, however the runner ended, and keep it for last_run()."""
     rejected = dict(runner.validator.rejected)
@@ -417,8 +427,21 @@ def remember(
         kept_mask=kept_mask,
         execution=config.execution,
         seed=config.seed,
+        held_s=thread_held_s(held_s),
     )
     return keep(run)
+
+
+def thread_held_s(since_s: float | None = 0.0) -> float | None:
+    """Return for how long this thread has been ready without a processor since then, s.
+
+    None where the system does not tell, and of None: nothing was measured.
+    """
+    try:
+        held_ns = int(Path("/proc/thread-self/schedstat").read_text("ascii").split()[1])
+    except (OSError, ValueError, IndexError):
+        return None
+    return None if since_s is None else held_ns / 1e9 - since_s
 
 
 def keep(run: Run) -> Run:

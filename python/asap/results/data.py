@@ -207,6 +207,9 @@ class Run(Result):
         How the algorithm took its packages: "whole" or "anytime".
     seed : int
         Seed of the gamma filter.
+    held_s : float or None
+        In real time: for how long the algorithm's thread was ready and had no processor, s: this
+        machine's doing. None where the system does not tell.
     """
 
     packages: NDArray[np.void]
@@ -227,6 +230,7 @@ class Run(Result):
     learned: Cost | None = None
     execution: str = "anytime"
     seed: int = 0
+    held_s: float | None = None
 
     def __post_init__(self) -> None:
         if self.learned is None and hasattr(self.scheme, "alpha_us"):
@@ -290,6 +294,7 @@ class Run(Result):
             "estimated_cost": log["estimated_cost"] and asdict(log["estimated_cost"]),
             "execution": self.execution,
             "seed": self.seed,
+            "held_s": self.held_s,
             "speed": self.speed,
             "ledger": dict(self.ledger),
             "rejected": dict(self.rejected),

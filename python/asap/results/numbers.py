@@ -19,6 +19,7 @@ from asap.results.cost import Cost, Floats, bound_needed_us, fit
 from asap.results.data import Run, check_run
 
 _MAX_BINS = 10_000_000
+_FAR = 3.5  # sigma of the noise of a cost
 _POSITIVE = "must be positive and finite"
 
 
@@ -243,13 +244,16 @@ class Diagnosis:
     ----------
     limit : str
         ``"data"``: bad events were most of the loss, and too many for the wanted share.
-        ``"machine"``: the replay itself was late for so long that this can explain at least half
-        of what was lost, however little that is. ``"camera"``: nearly all good events were in time.
-        ``"bound"``: a longer one would do. ``"algorithm"``: only a cheaper one would. ``"fixed
-        cost"``: the bound was not kept and could not be, whatever the events
-        (`Cost.least_bound_us`). These three only where the cost explains at least half of what the
-        scheme dropped. ``"scheme"``: the algorithm could have done it. ``"unknown"``:
-        the packages do not tell the cost of an event (`Cost.one_size`), or there was no event.
+        ``"camera"``: nearly all good events were in time. ``"bound"``: a longer one would do.
+        ``"algorithm"``: only a cheaper one would. ``"fixed cost"``: the bound was not kept and
+        could not be, whatever the events (`Cost.least_bound_us`). These three only where the cost
+        explains at least half of what was lost or late. ``"first call"``, ``"pauses"``: a few
+        packages took far longer than the others (`pauses`), so long that this can explain at least
+        half of what was lost. ``"machine"``: the thread waited for a processor for half of such
+        pauses or longer (`Run.held_s`); or the replay itself was late for so long, however little
+        was lost.
+        ``"scheme"``: the algorithm could have done it. ``"unknown"``: the packages do not tell the
+        cost of an event (`Cost.one_size`, `Cost.beta_error_ns`), or there was no event.
     cost : Cost
         As the packages of the run explain it (`fit_cost`).
     offered_hz : float
@@ -262,10 +266,12 @@ class Diagnosis:
         The longest bound that the run can tell of, a quarter of its duration; infinite where the
         mean load is so large that no bound does.
     speedup : float
-        How many times faster the algorithm would have to be, at the bound of the run.
+        How many times faster the algorithm would have to be, at the bound of the run; like the
+        bound without its pauses.
     late_share : float
-        Share of the time in which the replay itself was late by more than half the bound; of a
-        camera's run, in which the algorithm's thread was held up (`held_up_us`).
+        Share of the time in which the replay itself was late by more than half the bound.
+    pauses : Pauses
+        The packages that took far longer than the cost explains.
     """
 
     limit: str
@@ -276,6 +282,20 @@ class Diagnosis:
     longest_us: float
     speedup: float
     late_share: float
+    pauses: Pauses
+
+
+class Pauses(NamedTuple):
+    """Packages that took far longer than their cost explains: a collector, a first call."""
+
+    times: float  #: from so many times the estimate on, at least twice
+    slow: int  #: such packages
+    share: float  #: of the time of the run that they took
+    excess_share: float  #: the same, beyond the estimate
+    first: int  #: how many of them the run began with, if these are most of the excess
+    first_us: float  #: the time that these took
+    held: bool  #: whether the thread waited for a processor for half of the excess or longer
+    away_share: float  #: of the time: the excess, or longer the wait for a processor
 
 
 def diagnose(run: Run, *, wanted: float = 0.95) -> Diagnosis:
@@ -290,10 +310,10 @@ def diagnose(run: Run, *, wanted: float = 0.95) -> Diagnosis:
     found = windows(run, bound_us * run.speed)
     rates_hz = found.rate_hz(found.received, run.speed)
     needed_hz = _throughput_to_keep(rates_hz, wanted)
+    late_share, pauses = _late_share(run), _pauses(run, cost)
     # T6 solved for a factor on alpha and beta together.
     speedup = cost.beta_ns * needed_hz / 1e9 + 2 * cost.alpha_us / bound_us
     needed_bound_us, longest_us = _bound_to_keep(run, found, cost, wanted)
-    late_share = _late_share(run)
     in_time = _good_in_time(run)
     if run.ledger.received == 0:
         limit = "unknown"
@@ -308,6 +328,8 @@ def diagnose(run: Run, *, wanted: float = 0.95) -> Diagnosis:
         and _explains(run, cost, rates_hz)
     ):
         limit = "algorithm" if needed_bound_us is None else "bound"
+    elif in_time < wanted and 1 - in_time <= 2 * _most_in(rates_hz, pauses.away_share):
+        limit = "first call" if pauses.first else "machine" if pauses.held else "pauses"
     elif 0 < 1 - in_time <= 2 * _most_in(rates_hz, late_share):
         limit = "machine"
     elif in_time >= wanted:
@@ -318,7 +340,15 @@ def diagnose(run: Run, *, wanted: float = 0.95) -> Diagnosis:
         limit = "scheme" if is_told else "unknown"
     mean_hz = float(rates_hz.mean()) if rates_hz.size else 0.0
     return Diagnosis(
-        limit, cost, mean_hz, needed_hz, needed_bound_us, longest_us, speedup, late_share
+        limit=limit,
+        cost=cost,
+        offered_hz=mean_hz,
+        needed_hz=needed_hz,
+        bound_us=needed_bound_us,
+        longest_us=longest_us,
+        speedup=speedup,
+        late_share=late_share,
+        pauses=pauses,
     )
 
 
@@ -344,6 +374,30 @@ def _bound_to_keep(
     return None, longest_us
 
 
+def _pauses(run: Run, cost: Cost) -> Pauses:
+    """Find the packages that took far longer than the cost and its noise explain."""
+    rows = run.packages
+    took_us, most = rows["processing_us"], cost.dearest
+    estimate_us = most.alpha_us + most.beta_ns * rows["size"] / 1e3
+    times = max(2.0, float(np.exp(_FAR * min(cost.noise, 10.0))))
+    is_slow = took_us > times * estimate_us
+    excess_us = np.where(is_slow, took_us - estimate_us, 0.0)
+    wall_us = max(run.source["duration_s"] * 1e6 / run.speed, took_us.sum(), 1.0)
+    first = int(is_slow.size if is_slow.all() else is_slow.argmin())
+    first *= bool(2 * excess_us[:first].sum() >= excess_us.sum())
+    held_us = 1e6 * (run.held_s or 0.0)
+    return Pauses(
+        times,
+        int(is_slow.sum()),
+        took_us[is_slow].sum() / wall_us,
+        excess_us.sum() / wall_us,
+        first,
+        took_us[:first].sum(),
+        bool(0 < held_us >= excess_us.sum() / 2),
+        min(max(excess_us.sum(), held_us) / wall_us, 1.0),
+    )
+
+
 def _bad_data_limit(run: Run, wanted: float) -> bool:
     """Whether bad events alone are too many, and more than all that was lost of the good ones."""
     ledger = run.ledger
@@ -358,27 +412,11 @@ def _good_in_time(run: Run) -> float:
     return run.in_time * ledger.received / good if good else 1.0
 
 
-def held_up_us(run: Run) -> Floats:
-    """Return how long events waited past the bound, and were lost, while no package was in work.
-
-    No scheme waits for so long, so it was the thread that did not run.
-    """
-    rows = run.packages
-    idle_us = np.diff(rows["start_us"]) - rows["processing_us"][:-1]
-    lost = rows["stale"][1:] + rows["overflow"][1:] > 0
-    return np.asarray(idle_us[lost & (idle_us > run.latency_bound_us)], np.float64)
-
-
 def _late_share(run: Run) -> float:
-    """Share of the time in which the producer was late by over half the bound, 1 ms a push.
-
-    Of a camera's run: in which the algorithm's thread was held up.
-    """
+    """Share of the time in which the producer was late by over half the bound, 1 ms a push."""
     wall_us = run.source["duration_s"] * 1e6 / run.speed
-    if run.mode != "real" or wall_us <= 0:
+    if run.lateness is None or wall_us <= 0:
         return 0.0
-    if run.lateness is None:
-        return min(float(held_up_us(run).sum()) / float(wall_us), 1.0)
     low, high = 0.0, 1.0  # the share of pushes that were not so late
     for _ in range(30):
         q = (low + high) / 2

@@ -138,7 +138,7 @@ def _histogram(state: Any) -> _core.LatencyHistogram:
 
 _FACTS = (
     *("rejected", "mode", "latency_bound_us", "source", "speed", "clock_resets", "gap_us"),
-    *("execution", "seed"),
+    *("execution", "seed", "held_s"),
 )
 _LOG = ("bound_needed_us", "packages", "gamma", "cpu")
 

@@ -19,7 +19,7 @@ import numpy as np
 from asap import _units
 from asap.results.cost import BOUND_KEPT, LEAST_BOUND, RATE_SHARE, Cost, keeps
 from asap.results.data import Comparison, Finding, Inspection, Row, Run
-from asap.results.numbers import Diagnosis, diagnose, held_up_us
+from asap.results.numbers import Diagnosis, Pauses, diagnose
 
 _WIDTH = 78
 _LONG_GAP = 0.5  # times the bound
@@ -182,9 +182,17 @@ _BOTTLENECKS = {
     "machine": "this machine",
     "bound": "the latency bound",
     "algorithm": "the algorithm",
+    "first call": "the first call",
+    "pauses": "pauses of the algorithm",
     "fixed cost": "the fixed cost of a package",
     "unknown": "not known",
 }
+
+
+_OF_PAUSES = (
+    "The other packages do not explain what was lost. A garbage collector, memory, files or locks "
+    "make an algorithm pause"
+)
 
 
 def _explanation(run: Run, found: Diagnosis) -> str:
@@ -193,20 +201,8 @@ def _explanation(run: Run, found: Diagnosis) -> str:
             f"{_units.count(run.ledger.rejected)} of {_units.count(run.ledger.received)} events "
             f"were rejected ({_units.reasons(run.rejected)}). asap.check shows where."
         )
-    if found.limit == "machine" and run.lateness is None:
-        longest = _units.duration(held_up_us(run).max())
-        return (
-            f"The algorithm's thread was held up while events waited, for {longest} at most and "
-            f"{_units.share(found.late_share)} of the time. Run it on a quiet machine, or give the "
-            "thread a priority."
-        )
-    if found.limit == "machine" and run.lateness is not None:
-        return (
-            f"The replay itself was late, by {_units.duration(run.lateness.max)} at most and by "
-            f"more than half the bound for {_units.share(found.late_share)} of the time. Repeat it "
-            "on a quiet machine, or in virtual time."
-        )
-    return f"Estimated cost: {_run_cost(found.cost)}. {_run_remedy(run, found)}".rstrip()
+    cost = f"Estimated cost: {_run_cost(found.cost)}{_pauses(run, found.pauses)}."
+    return f"{cost} {_run_remedy(run, found)}".rstrip()
 
 
 def _run_cost(cost: Cost) -> str:
@@ -223,10 +219,37 @@ def _run_cost(cost: Cost) -> str:
     return f"{package} per package of {events}{spread}"
 
 
+def _pauses(run: Run, pauses: Pauses) -> str:
+    if pauses.slow < 0.01 * run.packages.size and pauses.share < 0.01:
+        return ""
+    which = f"{pauses.first} packages" if pauses.first > 1 else "package"
+    first = f", the first {which} {_units.duration(pauses.first_us)}" if pauses.first else ""
+    packages = "1 package" if pauses.slow == 1 else f"{_units.count(pauses.slow)} packages"
+    return (
+        f"; {packages} took more than {pauses.times:.2g} times the estimate, "
+        f"{_units.share(pauses.share)} of the time{first}"
+    )
+
+
 def _run_remedy(run: Run, found: Diagnosis) -> str:
     bound = _units.duration(run.latency_bound_us)
+    if found.limit == "machine":
+        late = (
+            f"The replay itself was late, by {_units.duration(run.lateness.max)} at most and by "
+            f"more than half the bound for {_units.share(found.late_share)} of the time. "
+            if run.lateness and found.late_share
+            else ""
+        )
+        held = f"waited for a processor for {_units.duration(1e6 * (run.held_s or 0))} in all"
+        held = f"The algorithm's thread {held}. " * found.pauses.held
+        return f"{late}{held}Repeat it on a quiet machine, or in virtual time."
     if found.limit == "fixed cost":
         return _impossible(run, found.cost)
+    if found.limit == "first call":
+        return "Call the algorithm once before the run."
+    if found.limit == "pauses":
+        or_others = ", or other programs took the processor" * (run.held_s is None)
+        return f"{_OF_PAUSES}{or_others}."
     if found.limit == "unknown":
         return (
             "These packages are too few, or too alike in size, to tell what of it is per event. "
@@ -237,6 +260,8 @@ def _run_remedy(run: Run, found: Diagnosis) -> str:
     faster = f"make the algorithm {math.ceil(10 * found.speedup) / 10} times as fast"
     if getattr(run.scheme, "parameters", {}).get("rate_bound", found.needed_hz) < found.needed_hz:
         faster += " and raise rate_bound"
+    if found.pauses.excess_share > 0.05:
+        faster += ", and call it once before the run" if found.pauses.first else ", without pauses"
     if found.limit == "bound" and found.bound_us is not None:
         longer = _units.duration(found.bound_us)
         return f"To process 95 % in time, use a bound of {longer} or {faster}."
