@@ -194,7 +194,15 @@ def time_s(run: Run) -> Floats:
     rows = run.packages
     if rows.size == 0:
         return np.empty(0)
-    return np.asarray((rows["start_us"] - rows["t_first"][0]) / 1e6, np.float64)
+    return np.asarray((rows["start_us"] - _begin_us(run)) / 1e6, np.float64)
+
+
+def _begin_us(run: Run) -> float:
+    """Return the stamp of the first event, which may have been lost before the first package."""
+    rows = run.packages
+    is_lost = rows["stale"][0] + rows["overflow"][0] > 0
+    lasted_us = float(run.source["duration_s"]) * 1e6 * bool(is_lost)
+    return min(float(rows["t_first"][0]), float(rows["t_last"][-1]) + 1 - lasted_us)
 
 
 def median_in_windows(run: Run, column: str, window_ms: float) -> tuple[Floats, Floats]:
@@ -468,7 +476,7 @@ def windows(run: Run, window_us: float | None = None) -> Windows:
     if rows.size == 0:
         return Windows(np.zeros(1), *[np.empty(0)] * 6)
     # From its first event to just after its last.
-    at_us = np.column_stack((rows["t_first"], rows["t_last"] + 1)).ravel() - rows["t_first"][0]
+    at_us = np.column_stack((rows["t_first"], rows["t_last"] + 1)).ravel() - _begin_us(run)
     within = np.asarray(np.maximum.accumulate(at_us), np.float64)
     duration_us = max(float(within[-1]), run.source["duration_s"] * 1e6)
     before = np.concatenate(([0.0], within, [duration_us]))  # and after the last
