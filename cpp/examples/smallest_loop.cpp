@@ -1,5 +1,6 @@
 // The smallest loop. A pipeline has a worker thread, which runs the algorithm on package after
-// package so that every event it delivers is processed within 10 ms of its push.
+// package so that an event it delivers is processed within 10 ms of its push, on a processor that
+// is not taken away.
 #include <asap/algorithms/cluster_tracker.hpp>
 #include <asap/runner/pipeline.hpp>
 #include <asap/synthetic/streams.hpp>

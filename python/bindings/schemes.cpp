@@ -116,7 +116,8 @@ first_size : int
 While the algorithm keeps up, nothing is discarded. In overload some ten plans are played forward on
 what waits, and the best is taken: what is too old is dropped, the older part of the rest is thinned so
 that it is finished in time, the newest events stay behind untouched. A package that takes longer than
-foreseen ends on time nevertheless, where the library runs the algorithm's loop.
+foreseen ends on time nevertheless, where the library runs the algorithm's loop. A package during which
+the processor is taken away is late.
 
 Parameters
 ----------
@@ -130,9 +131,8 @@ min_interval_ms : float
 first_alpha_us, first_beta_ns : float
     Assumed fixed cost of a package and cost of an event, until they are measured.
 prefer : str
-    In overload: "events", as many as possible; "continuity", no gap, a stretch of the scene without
-    any; "balanced", between the two: where the bound is 50 fixed costs or more, the longest gap
-    measured was .31 of it.
+    In overload: "events", as many as possible; "continuity", short gaps, stretches of the scene
+    without any; "balanced", between the two.
 
 Attributes
 ----------

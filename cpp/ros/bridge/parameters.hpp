@@ -83,7 +83,7 @@ inline constexpr const char* kInputs[] = {"event_camera_msgs", "dvs_msgs"};
 inline constexpr const char* kReliabilities[] = {"best_effort", "reliable"};
 inline constexpr std::array kChoices{
     ChoiceField{"prefer", &Parameters::prefer, kPreferences, Has::every_node,
-                "What matters in overload: events, as many as possible; continuity, no gap."},
+                "What matters in overload: events, as many as possible; continuity, short gaps."},
     ChoiceField{"when_full", &Parameters::when_full, kWhenFull, Has::every_node,
                 "What gives way when the ring is full."},
     ChoiceField{"feedback", &Parameters::feedback, kFeedbacks, Has::packages,

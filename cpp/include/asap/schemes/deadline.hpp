@@ -23,7 +23,7 @@ namespace asap {
 enum class Prefer {
   balanced,    // a gap has a price; notebooks/theory.md, section 6, has the gaps that were measured
   events,      // a quarter of that price
-  continuity,  // no gap where what waits allows it
+  continuity,  // short gaps
 };
 
 // As it is written in Python and on the command line.
