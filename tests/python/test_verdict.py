@@ -146,6 +146,17 @@ def test_no_slope_is_claimed_that_its_own_error_exceeds(noise: float, interrupte
         assert found.dearest.throughput_hz(10_000) <= 1.1 * 0.5 / 15e-9
 
 
+@pytest.mark.parametrize("execution", ["whole", "anytime"])
+def test_the_error_of_a_slope_holds_that_of_a_few_noisy_packages(execution: str) -> None:
+    """A queue that grows gives some twenty packages, each longer than the one before."""
+    for seed in range(8):
+        events = streams.poisson(2.4e5, 1.0, seed)
+        cost = asap.LinearCost(30, 5000, noise=0.2, seed=seed)
+        run = asap.simulate(events, cost=cost, scheme=asap.Greedy(), execution=execution)
+        found = analysis.fit_cost(run)
+        assert abs(found.beta_ns - 5000) <= found.beta_error_ns
+
+
 def test_packages_that_took_far_longer_are_counted() -> None:
     """The median deviation of 98 % of the packages does not show them."""
     run = Case(outages_ms=PAUSES, noise=0.04).run()

@@ -104,8 +104,10 @@ def fit(packages: NDArray[np.void], learned: Cost | None, execution: str) -> Cos
         rows = rows[off - middle <= 3 * noise + 1e-6]
     mean_us = float(np.exp(middle + min(noise, 1.0) ** 2 / 2))
     one_size = None if error <= _SURE else round(typical)
-    error = min(_CLAIMED * error, share) * (error > _PLACE)
-    is_flat = 1 - share < error
+    mean_error = _OF_MEDIAN * noise / off.size**0.5
+    error = float(np.hypot(min(_CLAIMED * error, share), _CLAIMED * (1 - share) * mean_error))
+    error *= error > _PLACE
+    is_flat = share > 0 and 1 - share < error
     slope, error = (0.0, 1 - share + error) if is_flat else (1 - share, error)
     per_event_ns = mean_us / typical * 1e3
     return Cost(
@@ -131,7 +133,8 @@ def _fixed_share(
     if 2 * np.count_nonzero(whole) >= whole.size:
         return _fitted_share(size[whole], log_cost[whole])
     events_us = learned.beta_ns / 1e3 * typical
-    return learned.alpha_us / max(learned.alpha_us + events_us, sys.float_info.min), 0.0
+    share = learned.alpha_us / max(learned.alpha_us + events_us, sys.float_info.min)
+    return share, _SURE * (1 - share)
 
 
 def _fitted_share(size: Floats, log_cost: Floats) -> tuple[float, float]:
