@@ -7,6 +7,7 @@ from asap.results.cost import Cost
 from asap.results.numbers import (
     Description,
     Diagnosis,
+    Pauses,
     PeakCount,
     decimate,
     describe,
@@ -21,6 +22,7 @@ __all__ = [
     "Cost",
     "Description",
     "Diagnosis",
+    "Pauses",
     "PeakCount",
     "decimate",
     "describe",

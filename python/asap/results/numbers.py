@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -271,8 +271,8 @@ class Diagnosis:
     bound_us : float or None
         Latency bound that gives it; None where none does that the run can tell of.
     longest_us : float
-        The longest bound that the run can tell of, a quarter of its duration; infinite where the
-        mean load is so large that no bound does.
+        The longest bound that the run can tell of, a quarter of its duration at most; infinite
+        where the mean load is so large that no bound does.
     speedup : float
         How many times faster the algorithm would have to be, at the bound of the run; like the
         bound without its pauses.
@@ -319,9 +319,10 @@ def diagnose(run: Run, *, wanted: float = 0.95) -> Diagnosis:
     rates_hz = found.rate_hz(found.received, run.speed)
     needed_hz = _throughput_to_keep(rates_hz, wanted)
     late_share, pauses = _late_share(run), _pauses(run, cost)
-    # T6 solved for a factor on alpha and beta together.
-    speedup = cost.beta_ns * needed_hz / 1e9 + 2 * cost.alpha_us / bound_us
-    needed_bound_us, longest_us = _bound_to_keep(run, found, cost, wanted)
+    # T6 solved for a factor on alpha and beta together; noise takes room as a fixed cost does.
+    planned = replace(cost, alpha_us=cost.alpha_us * (1 + cost.noise))
+    speedup = cost.beta_ns * needed_hz / 1e9 + 2 * planned.alpha_us / bound_us
+    needed_bound_us, longest_us = _bound_to_keep(run, found, planned, wanted)
     in_time = _good_in_time(run)
     if run.ledger.received == 0:
         limit = "unknown"
@@ -347,17 +348,8 @@ def diagnose(run: Run, *, wanted: float = 0.95) -> Diagnosis:
         is_told = cost.one_size is None and (cost.beta_ns > 0 or keeps_up)
         limit = "scheme" if is_told else "unknown"
     mean_hz = float(rates_hz.mean()) if rates_hz.size else 0.0
-    return Diagnosis(
-        limit=limit,
-        cost=cost,
-        offered_hz=mean_hz,
-        needed_hz=needed_hz,
-        bound_us=needed_bound_us,
-        longest_us=longest_us,
-        speedup=speedup,
-        late_share=late_share,
-        pauses=pauses,
-    )
+    needed = needed_hz, needed_bound_us, longest_us, speedup
+    return Diagnosis(limit, cost, mean_hz, *needed, late_share, pauses)
 
 
 def _bound_to_keep(
@@ -366,12 +358,16 @@ def _bound_to_keep(
     """Find the shortest bound whose own windows let the wanted share through (T6), us.
 
     Each is 2 % longer than the one before, and the longest a quarter of the run, which is returned
-    too: infinite where more comes than the algorithm can do at any bound.
+    too: infinite where more comes than the algorithm can do at any bound, the bound of the run
+    where that is not sure.
     """
     edges_us, came = found.edges_s * 1e6 / run.speed, np.append(0.0, np.cumsum(found.received))
-    if came[-1] * wanted * cost.beta_ns / 1e3 >= edges_us[-1]:
-        return None, np.inf
     tried_us, longest_us = run.latency_bound_us, max(edges_us[-1] / 4, run.latency_bound_us)
+    events_us = (
+        wanted * came[-1] * np.array([cost.beta_ns - cost.beta_error_ns, cost.beta_ns]) / 1e3
+    )
+    if events_us[1] >= edges_us[-1]:
+        return None, np.inf if events_us[0] >= edges_us[-1] else tried_us
     while tried_us <= longest_us:
         at_us = np.append(np.arange(0.0, edges_us[-1], tried_us), edges_us[-1])
         passes = cost.throughput_hz(tried_us) * np.diff(at_us) / 1e6

@@ -262,15 +262,17 @@ def _run_remedy(run: Run, found: Diagnosis) -> str:
         faster += " and raise rate_bound"
     if found.pauses.excess_share > 0.05:
         faster += ", and call it once before the run" if found.pauses.first else ", without pauses"
+    more, remedy = " asap.compare shows which scheme processes more.", ""
     if found.limit == "bound" and found.bound_us is not None:
-        longer = _units.duration(found.bound_us)
-        return f"To process 95 % in time, use a bound of {longer} or {faster}."
+        remedy = f"use a bound of {_units.duration(found.bound_us)} or {faster}."
     if found.limit == "algorithm":
+        remedy = f"{faster}: it has to process {_units.rate(found.needed_hz)}."
+    if remedy:
         up_to = f"bound of up to {_units.duration(found.longest_us)}"
-        return (
-            f"A {'longer bound' if math.isinf(found.longest_us) else up_to} does not help. To "
-            f"process 95 % in time, {faster}: it has to process {_units.rate(found.needed_hz)}."
-        )
+        ruled_out = f"A {'longer bound' if math.isinf(found.longest_us) else up_to} does not help. "
+        ruled_out *= found.bound_us is None and found.longest_us > run.latency_bound_us
+        late = more * (run.kept - run.in_time > 0.05)
+        return f"{ruled_out}To process 95 % in time, {remedy}{late}"
     is_told = found.cost.beta_ns > 0 and found.cost.one_size is None
     passes_hz = (found.cost if is_told else found.cost.dearest).throughput_hz(run.latency_bound_us)
     if passes_hz == float("inf"):
@@ -280,7 +282,6 @@ def _run_remedy(run: Run, found: Diagnosis) -> str:
             f"The algorithm can process {'' if is_told else 'at least '}{_units.rate(passes_hz)} "
             f"within {bound}; {_units.rate(found.offered_hz)} arrived on average."
         )
-    more = " asap.compare shows which scheme processes more."
     return passes + more * (found.limit == "scheme")
 
 
