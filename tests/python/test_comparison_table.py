@@ -48,7 +48,7 @@ def test_the_verdict_names_the_best_of_those_that_keep_the_bound(comparison):
     words = verdict(comparison, late, nearly, row("A"))
     assert words.startswith(
         "Nearly processes the most events within 5 ms of all schemes that keep the bound: 80.0 % "
-        "of the oracle's, p99 0.92 L. No event is late with A. At most 1 % of the events are late "
+        "of the oracle's, p99 0.92 L. No event is late with A. Up to 0.1 % of the events are late "
         "with Nearly. Read score and p99/L together"
     )
     assert "Late" not in words
@@ -62,7 +62,13 @@ def test_the_number_of_late_events_decides_whether_any_is_late(comparison, late)
     """Not the largest latency, which may exceed the bound by one part of a package."""
     words = verdict(comparison, row("A", max_us=5040.0, late=late))
     assert ("No event is late with A." in words) == (late == 0)
-    assert ("At most 1 % of the events are late with A." in words) == (late > 0)
+    assert ("Up to 0.1 % of the events are late with A." in words) == (late > 0)
+
+
+def test_more_than_one_in_a_hundred_may_be_late_where_p99_is_just_above_the_bound(comparison):
+    late = round(0.0123 * 0.4 * comparison.received)
+    words = verdict(comparison, row("A", p99_us=5010.0, max_us=5040.0, late=late))
+    assert "Up to 1.3 % of the events are late with A." in words
 
 
 def test_the_verdict_names_the_scheme_that_processes_more_than_the_default(comparison):

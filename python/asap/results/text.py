@@ -466,13 +466,14 @@ def comparison_verdict(comparison: Comparison) -> str:
     if not keepers:
         none = f"No scheme keeps the bound of {bound} for 99 % of its events."
         return " ".join([none, *_more_than_default(comparison), _READ])
-    late = [row.label for row in keepers if row.late]
+    late = {row.label: row.late / (row.kept * comparison.received) for row in keepers if row.late}
     never = [row.label for row in keepers if not row.late]
     sentences = [_best(keepers, bound_us), *_more_than_default(comparison)]
     if never:
         sentences.append(f"No event is late with {_listed(never)}.")
     if late:
-        sentences.append(f"At most 1 % of the events are late with {_listed(late)}.")
+        most = math.ceil(1000 * max(late.values())) / 10
+        sentences.append(f"Up to {most:g} % of the events are late with {_listed([*late])}.")
     gaps = [row.label for row in keepers if row.gap_us > _LONG_GAP * bound_us]
     if gaps:
         sentences.append(f"Gaps of more than L/2 occur with {_listed(gaps)}.")
