@@ -79,6 +79,7 @@ KINDS = [
     ("scheme", Case(load=1.1, scheme=asap.Greedy)),
     ("scheme", Case(scheme=lambda: asap.Asap2020(rate_bound=5e3))),
     ("unknown", Case(scheme=asap.SingleEvent)),
+    ("unknown", Case(alpha_us=9e6)),  # one package: perhaps only the first takes so long
 ]
 
 

@@ -208,8 +208,8 @@ class Run(Result):
     seed : int
         Seed of the gamma filter.
     held_s : float or None
-        In real time: for how long the algorithm's thread was ready and had no processor, s: this
-        machine's doing. None where the system does not tell.
+        In real time: how long the algorithm's thread was ready without a processor, s. None where
+        the system does not tell.
     """
 
     packages: NDArray[np.void]

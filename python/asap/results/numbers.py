@@ -328,7 +328,11 @@ def diagnose(run: Run, *, wanted: float = 0.95) -> Diagnosis:
         limit = "unknown"
     elif _bad_data_limit(run, wanted):
         limit = "data"
-    elif bound_needed_us(cost, bound_us, run.latency.max) and _explains(run, cost, rates_hz):
+    elif (
+        run.packages.size > 2  # fewer may be first calls
+        and bound_needed_us(cost, bound_us, run.latency.max)
+        and _explains(run, cost, rates_hz)
+    ):
         limit = "fixed cost"
     elif (
         in_time < wanted
@@ -362,12 +366,12 @@ def _bound_to_keep(
     where that is not sure.
     """
     edges_us, came = found.edges_s * 1e6 / run.speed, np.append(0.0, np.cumsum(found.received))
-    tried_us, longest_us = run.latency_bound_us, max(edges_us[-1] / 4, run.latency_bound_us)
-    events_us = (
-        wanted * came[-1] * np.array([cost.beta_ns - cost.beta_error_ns, cost.beta_ns]) / 1e3
-    )
-    if events_us[1] >= edges_us[-1]:
-        return None, np.inf if events_us[0] >= edges_us[-1] else tried_us
+    tried_us = run.latency_bound_us
+    longest_us = max(float(edges_us[-1]) / 4, tried_us)
+    wanted_thousands = wanted * came[-1] / 1e3
+    if wanted_thousands * cost.beta_ns >= edges_us[-1]:
+        is_sure = wanted_thousands * (cost.beta_ns - cost.beta_error_ns) >= edges_us[-1]
+        return None, np.inf if is_sure else tried_us
     while tried_us <= longest_us:
         at_us = np.append(np.arange(0.0, edges_us[-1], tried_us), edges_us[-1])
         passes = cost.throughput_hz(tried_us) * np.diff(at_us) / 1e6
@@ -393,12 +397,12 @@ def _pauses(run: Run, cost: Cost) -> Pauses:
     return Pauses(
         times,
         int(is_slow.sum()),
-        took_us[is_slow].sum() / wall_us,
-        excess_us.sum() / wall_us,
+        float(took_us[is_slow].sum() / wall_us),
+        float(excess_us.sum() / wall_us),
         first,
-        took_us[:first].sum(),
+        float(took_us[:first].sum()),
         bool(0 < held_us >= excess_us.sum() / 2),
-        min(max(excess_us.sum(), held_us) / wall_us, 1.0),
+        float(min(max(excess_us.sum(), held_us) / wall_us, 1.0)),
     )
 
 

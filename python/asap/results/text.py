@@ -189,12 +189,6 @@ _BOTTLENECKS = {
 }
 
 
-_OF_PAUSES = (
-    "The other packages do not explain what was lost. A garbage collector, memory, files or locks "
-    "make an algorithm pause"
-)
-
-
 def _explanation(run: Run, found: Diagnosis) -> str:
     if found.limit == "data":
         return (
@@ -248,8 +242,8 @@ def _run_remedy(run: Run, found: Diagnosis) -> str:
     if found.limit == "first call":
         return "Call the algorithm once before the run."
     if found.limit == "pauses":
-        or_others = ", or other programs took the processor" * (run.held_s is None)
-        return f"{_OF_PAUSES}{or_others}."
+        others = ", or other programs took the processor" * (run.held_s is None)
+        return f"A garbage collector, memory, files or locks make an algorithm pause{others}."
     if found.limit == "unknown":
         return (
             "These packages are too few, or too alike in size, to tell what of it is per event. "
