@@ -154,7 +154,7 @@ def source(value: Any) -> None:
 
 def worker(field: str, value: Any) -> None:
     """Refuse an algorithm or a filter that is a class, or that has to be awaited."""
-    methods = [getattr(value, name, None) for name in ("process", "set_keep")]
+    methods = [getattr(value, name, None) for name in ("process", "set_gamma")]
     if inspect.isawaitable(value) or any(_is_async(one) for one in (value, *methods)):
         raise TypeError(named(field, value, _AWAIT.format(kind="function or process(events)")))
     if isinstance(value, type) and hasattr(value, "process"):

@@ -29,7 +29,7 @@ width, height : int
     Size of the sensor, px. Events outside are dropped and counted in `rejected`.
 engine : str
     "fast": own design. Noise is left out by itself; clusters have an outline, a velocity by Kalman
-    filter, and an id that survives crossings, stops and short occlusions; `set_keep` matters.
+    filter, and an id that survives crossings, stops and short occlusions; `set_gamma` matters.
     "compat": exactly the published rule: an event joins the oldest cluster whose centre, or one of
     whose randomly probed events, lies within `radius`; it merges all others for which that holds;
     where there is none it founds a new cluster. Only the last `window` events count.
@@ -192,11 +192,11 @@ void advance_to(Tracker& tracker, std::int64_t t_us) {
   if (auto* fast = std::get_if<ClusterTracker>(&tracker.engine)) fast->advance_to(t_us);
 }
 
-void set_keep(Tracker& tracker, double gamma, bool filter_upstream) {
+void set_gamma(Tracker& tracker, double gamma, bool filter_upstream) {
   if (auto* fast = std::get_if<ClusterTracker>(&tracker.engine)) {
-    fast->set_keep(gamma, filter_upstream);
+    fast->set_gamma(gamma, filter_upstream);
   } else {
-    std::get<PublishedClusterTracker>(tracker.engine).set_keep(gamma);
+    std::get<PublishedClusterTracker>(tracker.engine).set_gamma(gamma);
   }
 }
 
@@ -346,7 +346,7 @@ For whoever knows that no event came; to look ahead, `clusters_at`. Later events
 as of t_us. Before the first event, for the past, and in "compat", which forgets by events alone: nothing
 happens.
 )")
-      .def("set_keep", &set_keep, py::arg("gamma"), py::arg("filter_upstream") = false,
+      .def("set_gamma", &set_gamma, py::arg("gamma"), py::arg("filter_upstream") = false,
            R"(Tells the fraction of the events that reaches the tracker.
 
 Parameters

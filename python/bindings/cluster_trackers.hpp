@@ -15,8 +15,8 @@ struct EitherClusterTracker {
   void process(EventSpan events) noexcept {
     std::visit([&](auto& tracker) { tracker.process(events); }, engine);
   }
-  void set_keep(double gamma) {
-    std::visit([&](auto& tracker) { tracker.set_keep(gamma); }, engine);
+  void set_gamma(double gamma) {
+    std::visit([&](auto& tracker) { tracker.set_gamma(gamma); }, engine);
   }
   void reset() noexcept {
     std::visit([](auto& tracker) { tracker.reset(); }, engine);

@@ -24,7 +24,7 @@ namespace {
 // Destroyed with the consumer, which happens while the GIL is held.
 struct PythonAlgorithm {
   py::object process;
-  py::object set_keep;
+  py::object set_gamma;
   PackageArrays arrays;
 };
 
@@ -33,7 +33,7 @@ Consumer native(const py::object& algorithm) {
   return [ours = algorithm.cast<Held<Algorithm>>()](const Package& package) {
     const std::lock_guard turn(ours.turns());
     ours.has_worked() = true;
-    if (!package.continues) ours->set_keep(package.keep);
+    if (!package.continues) ours->set_gamma(package.keep);
     ours->process(package.events);
   };
 }
@@ -45,7 +45,7 @@ Consumer native_filter(const py::object& algorithm) {
           passed = std::vector<Event>()](const Package& package) mutable {
     const std::lock_guard turn(ours.turns());
     ours.has_worked() = true;
-    if (!package.continues) ours->set_keep(package.keep);
+    if (!package.continues) ours->set_gamma(package.keep);
     if (passed.size() < package.events.size()) passed.resize(package.events.size());
     ours->process(package.events, passed);
   };
@@ -107,11 +107,11 @@ Consumer consumer_of(const py::object& algorithm, PackageArrays arrays) {
   }
   auto python = std::make_shared<PythonAlgorithm>();
   python->process = has_process ? algorithm.attr("process") : algorithm;
-  python->set_keep = py::getattr(algorithm, "set_keep", py::none());
+  python->set_gamma = py::getattr(algorithm, "set_gamma", py::none());
   python->arrays = std::move(arrays);
   return [python](const Package& package) {
     with_gil([&] {
-      if (!python->set_keep.is_none() && !package.continues) python->set_keep(package.keep);
+      if (!python->set_gamma.is_none() && !package.continues) python->set_gamma(package.keep);
       python->process(python->arrays.array_of(package.events));
     });
   };

@@ -9,8 +9,8 @@
 namespace asap::python {
 
 // One of ours runs natively, without the GIL. Any other object is called with a read-only array:
-// its process(events) or, if it has none, itself; set_keep(gamma) before it, if it has one. None is
-// an empty consumer. Call with the GIL held; the consumer keeps the object alive.
+// its process(events) or, if it has none, itself; set_gamma(gamma) before it, if it has one. None
+// is an empty consumer. Call with the GIL held; the consumer keeps the object alive.
 Consumer consumer_of(const pybind11::object& algorithm, PackageArrays arrays = {});
 
 // Whether the library owns the algorithm's loop over the events: then it runs without the GIL, and

@@ -132,10 +132,10 @@ void bind_configuration(Class<T>& type, const Keywords<Config>& keywords) {
 
 template <class Algorithm>
 void bind_rest(Class<Algorithm>& type, const char* name,
-               const Keywords<typename Algorithm::Config>& keywords, const char* keep_doc) {
+               const Keywords<typename Algorithm::Config>& keywords, const char* gamma_doc) {
   bind_configuration(type, keywords);
   bind_reset(type, "Back to the state after construction.");
-  type.def("set_keep", &Algorithm::set_keep, py::arg("gamma"), documented(keep_doc).c_str())
+  type.def("set_gamma", &Algorithm::set_gamma, py::arg("gamma"), documented(gamma_doc).c_str())
       .def_property_readonly(
           "width", [](const Algorithm& self) { return self.config().width; }, "px")
       .def_property_readonly(

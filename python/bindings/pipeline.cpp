@@ -64,7 +64,7 @@ Its events are a read-only array in EVENT_DTYPE, valid as long as it is referenc
           "Kept / raw events of this package.")
       .def_property_readonly(
           "keep", [](const LivePackage& self) { return self.package.keep; },
-          "The kept fraction smoothed over about 20 ms, for set_keep.")
+          "The kept fraction smoothed over about 20 ms, for set_gamma.")
       .def_property_readonly(
           "index", [](const LivePackage& self) { return self.package.index; }, "From 0.")
       .def_property_readonly(

@@ -55,7 +55,7 @@ class FakeTracker:
     def __init__(self, clusters, ids=None):
         self._clusters, self._ids = clusters, ids
         self.packages = []
-        self.keeps = []
+        self.gammas = []
 
     def process(self, events):
         assert events.dtype == asap.EVENT_DTYPE
@@ -66,8 +66,8 @@ class FakeTracker:
         rows = [(*row, 0, 0)[:5] for row in self._clusters(t_us)]
         return np.array([(*row, t_us - 1000) for row in rows], CLUSTER_DTYPE)
 
-    def set_keep(self, gamma):
-        self.keeps.append(gamma)
+    def set_gamma(self, gamma):
+        self.gammas.append(gamma)
 
 
 def perfect(scene, first_id=10, **others):

@@ -90,7 +90,7 @@ def test_every_run_gets_a_fresh_algorithm_and_filter_and_every_seed_its_scene():
     used = [one for one in trackers if one.packages]
     assert len(used) == 6 and all(len(one.packages) == 6 for one in used)
     assert len(filters) >= 6
-    assert [one.keeps for one in used] == [[], [0.5], []] * 2
+    assert [one.gammas for one in used] == [[], [0.5], []] * 2
 
 
 # ---- table and figure -----------------------------------------------------------------------

@@ -35,7 +35,7 @@ def test_it_has_the_face_of_the_tracker(tracker, events):
     (later,) = tracker.clusters_at(int(events["t"][-1]) + 1000)
     assert later["x"] == pytest.approx(row["x"] + 0.001 * row["vx"], abs=0.01)
     assert (tracker.width, tracker.height, tracker.rejected) == (120, 80, 0)
-    assert tracker.name == "jaer-type core" and not hasattr(tracker, "set_keep")
+    assert tracker.name == "jaer-type core" and not hasattr(tracker, "set_gamma")
 
 
 def test_reset_begins_anew_and_labels_are_not_made_unasked(tracker, events):

@@ -183,16 +183,16 @@ def test_the_algorithm_is_told_unless_it_should_not_or_cannot_be():
     score(told, scene, gamma=0.25)
     score(not_told, scene, gamma=0.25, told=False)
     score(whole, scene, gamma=1)
-    assert (told.keeps, not_told.keeps, whole.keeps) == ([0.25], [], [])
+    assert (told.gammas, not_told.gammas, whole.gammas) == ([0.25], [], [])
 
     class Knows(FakeTracker):
-        def set_keep(self, gamma, filter_upstream=False):
-            self.keeps.append((gamma, filter_upstream))
+        def set_gamma(self, gamma, filter_upstream=False):
+            self.gammas.append((gamma, filter_upstream))
 
     for before, upstream in ((None, False), (Odd(), True)):
         one = Knows(lambda t_us: [])
         score(one, scene, gamma=0.5, before=before)
-        assert one.keeps == [(0.5, upstream)]
+        assert one.gammas == [(0.5, upstream)]
 
 
 def test_alike_events_pass_in_their_order():

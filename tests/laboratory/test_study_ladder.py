@@ -129,10 +129,10 @@ class Last:
 
     def __init__(self):
         self.rows = {}
-        self.keeps = []
+        self.gammas = []
 
-    def set_keep(self, gamma):
-        self.keeps.append(gamma)
+    def set_gamma(self, gamma):
+        self.gammas.append(gamma)
 
     def process(self, events):
         for event in events:
@@ -192,7 +192,7 @@ def test_recorder_has_the_packages_of_the_run_with_their_times():
     assert sum(one.events.size for one in packages) == run.ledger.delivered
     latencies_us = np.concatenate([one.done_us - one.events["t"] for one in packages])
     assert latencies_us.max() == pytest.approx(run.latency.max, rel=0.01)
-    assert min(one.keep for one in packages) < 1
+    assert min(one.gamma for one in packages) < 1
 
 
 # ---- rungs ----------------------------------------------------------------------------------
@@ -252,7 +252,7 @@ def test_told_otherwise_is_the_same_run_with_another_word(monkeypatch):
     told = []
 
     class Listens(Last):
-        def set_keep(self, gamma):
+        def set_gamma(self, gamma):
             told.append(gamma)
 
     monkeypatch.setitem(RUNGS, "listens", LadderRung(lambda w, h: Listens(), "tracker"))

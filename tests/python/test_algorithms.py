@@ -91,9 +91,9 @@ def test_events_outside_the_frame_are_counted_and_change_nothing(make: Make) -> 
 def test_keep_is_checked(make: Make, bad: float) -> None:
     algorithm = make(WIDTH, HEIGHT)
     for gamma in (0, 1):
-        algorithm.set_keep(gamma)
+        algorithm.set_gamma(gamma)
     with pytest.raises(ValueError, match="gamma = "):
-        algorithm.set_keep(bad)
+        algorithm.set_gamma(bad)
 
 
 def test_other_arrays_are_refused_and_read_only_ones_taken(make: Make) -> None:

@@ -38,7 +38,7 @@ class Told:
     def process(self, events: Any) -> None:
         """Return nothing."""
 
-    async def set_keep(self, gamma: float) -> None:
+    async def set_gamma(self, gamma: float) -> None:
         """Never awaited."""
 
 
@@ -50,7 +50,7 @@ WORKERS = {
     "partial": partial(coroutine, gain=2.0),
     "partial of a partial": partial(partial(coroutine), gain=2.0),
     "partial of __call__": partial(Called()),
-    "set_keep": Told(),
+    "set_gamma": Told(),
     "async generator": generator,
     "mock": AsyncMock(),
 }

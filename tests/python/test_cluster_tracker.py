@@ -125,8 +125,8 @@ def test_asking_changes_nothing(engine: str, kept: float, seed: int) -> None:
         assert np.array_equal(asked.clusters, silent.clusters)
         if random.random() < 0.3:
             gamma = float(random.random())
-            silent.set_keep(gamma)
-            asked.set_keep(gamma)
+            silent.set_gamma(gamma)
+            asked.set_gamma(gamma)
     assert len(silent.clusters_at(10**9)) == (0 if engine == "fast" else len(silent.clusters))
 
 

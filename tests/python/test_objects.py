@@ -47,7 +47,7 @@ def test_algorithm_without_init_is_refused_with_events(cls: type) -> None:
     unmade: Any = cls.__new__(cls)
     for use in (
         lambda: unmade.process(EVENTS),
-        lambda: unmade.set_keep(0.5),
+        lambda: unmade.set_gamma(0.5),
         lambda: asap.simulate(EVENTS, cost=COST, algorithm=unmade),
     ):
         with pytest.raises(RuntimeError, match="non-held"):

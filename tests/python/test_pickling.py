@@ -78,7 +78,7 @@ def test_a_new_algorithm(make: Callable[[], Any], protocol: int) -> None:
 
 WORKS: list[Callable[[Any], object]] = [
     lambda made: made.process(EVENTS),
-    lambda made: made.set_keep(0.5),
+    lambda made: made.set_gamma(0.5),
     lambda made: asap.simulate(EVENTS, cost=COST, algorithm=made),
 ]
 

@@ -259,10 +259,10 @@ for make in (asap.Pipeline, lambda **kw: asap.simulate(asap.synthetic.FlightOver
 
 class Collector:
     def __init__(self):
-        self.arrays, self.keeps = [], []
+        self.arrays, self.gammas = [], []
 
-    def set_keep(self, gamma):
-        self.keeps.append(gamma)
+    def set_gamma(self, gamma):
+        self.gammas.append(gamma)
 
     def process(self, events):
         self.arrays.append(events)
@@ -277,7 +277,7 @@ def test_run_hands_every_package_to_the_algorithm():
         camera.join()
     assert np.concatenate(collector.arrays).tolist() == events.tolist()
     assert not any(array.flags.writeable for array in collector.arrays)
-    assert collector.keeps == [1.0] * len(collector.arrays)
+    assert collector.gammas == [1.0] * len(collector.arrays)
     assert pipeline.ledger.delivered == events.size
     assert pipeline.stats()["algorithm"]["name"] == "Collector"
 

@@ -58,7 +58,7 @@ def test_keep_is_smoothed_over_about_20_ms():
         def process(self, events):
             pass
 
-        def set_keep(self, gamma):
+        def set_gamma(self, gamma):
             keeps.append(gamma)
 
     run = asap.simulate(

@@ -48,7 +48,7 @@ class BackgroundActivityFilter::Impl {
     return passes;
   }
 
-  void set_keep(double gamma) noexcept {
+  void set_gamma(double gamma) noexcept {
     constexpr auto kLongest = static_cast<double>(RecentTimes::kMaxWindow_us);
     const auto window = static_cast<double>(config.window.count());
     window_us_ = static_cast<Time>(window < kLongest * gamma ? window / gamma : kLongest);
@@ -94,9 +94,9 @@ std::size_t BackgroundActivityFilter::process(EventSpan events, std::span<Event>
   return passed;
 }
 
-void BackgroundActivityFilter::set_keep(double gamma) {
+void BackgroundActivityFilter::set_gamma(double gamma) {
   require(0 <= gamma && gamma <= 1, "gamma", gamma, "must be in [0, 1]");
-  impl_->set_keep(gamma);
+  impl_->set_gamma(gamma);
 }
 
 void BackgroundActivityFilter::reset() noexcept { impl_->reset(); }

@@ -139,9 +139,9 @@ std::optional<ClusterOutline> ClusterTracker::outline(std::int64_t id) const {
 
 void ClusterTracker::advance_to(std::int64_t t_us) noexcept { impl_->engine.advance_to(t_us); }
 
-void ClusterTracker::set_keep(double gamma, bool filter_upstream) {
+void ClusterTracker::set_gamma(double gamma, bool filter_upstream) {
   require(0 <= gamma && gamma <= 1, "gamma", gamma, "must be in [0, 1]");
-  impl_->engine.set_keep(gamma, filter_upstream);
+  impl_->engine.set_gamma(gamma, filter_upstream);
 }
 
 void ClusterTracker::reset() noexcept { impl_->engine.reset(); }

@@ -214,7 +214,7 @@ void CornerDetector<Rule, Configuration>::process(EventSpan events,
 }
 
 template <class Rule, class Configuration>
-void CornerDetector<Rule, Configuration>::set_keep(double gamma) {
+void CornerDetector<Rule, Configuration>::set_gamma(double gamma) {
   require(0 <= gamma && gamma <= 1, "gamma", gamma, "must be in [0, 1]");
 }
 

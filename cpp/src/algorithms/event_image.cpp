@@ -98,7 +98,7 @@ class EventImage::Impl {
 
   ImageView image() const noexcept { return {image_, image_begin_us_, image_end_us_}; }
 
-  void set_keep(double gamma) noexcept { weight_ = 1 / std::max(gamma, kMinKeep); }
+  void set_gamma(double gamma) noexcept { weight_ = 1 / std::max(gamma, kMinGamma); }
 
   void reset() noexcept {
     std::fill(off_.begin(), off_.end(), 0.0F);
@@ -192,9 +192,9 @@ bool EventImage::flush() noexcept {
 
 ImageView EventImage::image() const noexcept { return impl_->image(); }
 
-void EventImage::set_keep(double gamma) {
+void EventImage::set_gamma(double gamma) {
   require(0 <= gamma && gamma <= 1, "gamma", gamma, "must be in [0, 1]");
-  impl_->set_keep(gamma);
+  impl_->set_gamma(gamma);
 }
 
 void EventImage::reset() noexcept { impl_->reset(); }

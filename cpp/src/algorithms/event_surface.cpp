@@ -174,7 +174,7 @@ void EventSurface<Rule, Configuration, Pixel>::copy_to(std::span<Value> out) con
 }
 
 template <class Rule, class Configuration, class Pixel>
-void EventSurface<Rule, Configuration, Pixel>::set_keep(double gamma) {
+void EventSurface<Rule, Configuration, Pixel>::set_gamma(double gamma) {
   require(0 <= gamma && gamma <= 1, "gamma", gamma, "must be in [0, 1]");
 }
 

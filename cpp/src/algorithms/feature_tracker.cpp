@@ -106,9 +106,9 @@ std::vector<FeatureTrack> FeatureTracker::tracks() const {
 
 void FeatureTracker::tracks(std::vector<FeatureTrack>& tracks) const { impl_->tracks.read(tracks); }
 
-void FeatureTracker::set_keep(double gamma) {
+void FeatureTracker::set_gamma(double gamma) {
   require(0 <= gamma && gamma <= 1, "gamma", gamma, "must be in [0, 1]");
-  impl_->tracks.set_keep(gamma);
+  impl_->tracks.set_gamma(gamma);
 }
 
 void FeatureTracker::reset() noexcept {

@@ -201,7 +201,7 @@ void FeatureTracks::read(std::vector<FeatureTrack>& tracks) const {
   for (FeatureTrack& track : tracks) track.id = id_of(static_cast<std::uint64_t>(track.id));
 }
 
-void FeatureTracks::set_keep(double gamma) noexcept {
+void FeatureTracks::set_gamma(double gamma) noexcept {
   constexpr double kMinGamma = 0.01;
   remembered_us_ =
       static_cast<std::uint64_t>(static_cast<double>(window_time_us_) / std::max(kMinGamma, gamma));
@@ -209,7 +209,7 @@ void FeatureTracks::set_keep(double gamma) noexcept {
 
 void FeatureTracks::clear() noexcept {
   std::fill(latest_us_.begin(), latest_us_.end(), kNever_us);
-  set_keep(1);
+  set_gamma(1);
   oldest_stamp_ = 0;
   stamps_ = 0;
   now_us_ = kNever_us;

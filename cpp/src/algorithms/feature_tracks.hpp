@@ -68,7 +68,7 @@ class FeatureTracks {
   std::int32_t update(const Event& corner) noexcept;
 
   // Stretches the window's time for the kept fraction of the events, in [0, 1].
-  void set_keep(double gamma) noexcept;
+  void set_gamma(double gamma) noexcept;
 
   // Number of tracks.
   std::size_t size() const noexcept { return tracks_.size() - free_.size(); }

@@ -167,7 +167,7 @@ bool HotPixelMask::is_masked(std::uint32_t x, std::uint32_t y) const noexcept {
 
 std::vector<MaskedPixel> HotPixelMask::pixels() const { return impl_->pixels(); }
 
-void HotPixelMask::set_keep(double gamma) {
+void HotPixelMask::set_gamma(double gamma) {
   require(0 <= gamma && gamma <= 1, "gamma", gamma, "must be in [0, 1]");
 }
 

@@ -195,7 +195,7 @@ std::optional<CameraMotion> MotionSegmenter::camera_motion() const noexcept {
   return impl_->camera_motion();
 }
 
-void MotionSegmenter::set_keep(double gamma) {
+void MotionSegmenter::set_gamma(double gamma) {
   require(0 <= gamma && gamma <= 1, "gamma", gamma, "must be in [0, 1]");
   impl_->keep = gamma;
 }

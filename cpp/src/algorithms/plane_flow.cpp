@@ -122,7 +122,7 @@ std::size_t PlaneFlow::process(EventSpan events, std::span<Flow> flows) {
   return with_flow;
 }
 
-void PlaneFlow::set_keep(double gamma) {
+void PlaneFlow::set_gamma(double gamma) {
   require(0 <= gamma && gamma <= 1, "gamma", gamma, "must be in [0, 1]");
 }
 

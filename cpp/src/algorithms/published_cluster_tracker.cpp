@@ -104,7 +104,7 @@ std::optional<ClusterOutline> PublishedClusterTracker::outline(std::int64_t id) 
   return outline_of(id, clusters());
 }
 
-void PublishedClusterTracker::set_keep(double gamma) {
+void PublishedClusterTracker::set_gamma(double gamma) {
   require(0 <= gamma && gamma <= 1, "gamma", gamma, "must be in [0, 1]");
 }
 

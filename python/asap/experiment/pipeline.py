@@ -214,7 +214,7 @@ class Pipeline:
     def run(self) -> None:
         """Let the algorithm work on this thread until `stop`, then return.
 
-        Each call gets a read-only array, valid as long as it is kept; set_keep(gamma) comes before
+        Each call gets a read-only array, valid as long as it is kept; set_gamma(gamma) comes before
         it, if the algorithm has it. Algorithms of the library may be read by any thread meanwhile,
         as in tracker.clusters: they are as the last package has left them.
 

@@ -166,7 +166,7 @@ def run(
         another driver is replayed like a recording: ages count from its stamps and drift with its
         clock. Push its events into an `asap.Pipeline` instead.
     algorithm
-        One of ours, an object with process(events) and, if it has it, set_keep(gamma), or a
+        One of ours, an object with process(events) and, if it has it, set_gamma(gamma), or a
         callable. Events come as a read-only array in EVENT_DTYPE, valid as long as it is kept.
     execution : {"whole", "anytime"}, optional
         "whole": the algorithm gets a package in one call. "anytime": it gets the package in up to

@@ -79,7 +79,7 @@ TEST(BackgroundActivityFilter, AgreesWithTheDefinition) {
 TEST(BackgroundActivityFilter, TheWindowGrowsAsNeighboursAreDiscarded) {
   const auto passes = [](double gamma, std::int64_t age) {
     BackgroundActivityFilter filter({.width = 9, .height = 9, .window = microseconds(1000)});
-    filter.set_keep(gamma);
+    filter.set_gamma(gamma);
     return passed(filter, {at(3, 4, 0), at(4, 4, age)}).size() == 1;
   };
   EXPECT_TRUE(passes(1, 1000));

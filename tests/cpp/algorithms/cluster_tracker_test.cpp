@@ -104,7 +104,7 @@ TEST(ClusterTracker, ResetIsANewTracker) {
   const auto events = scene(50'000);
   ClusterTracker tracker(kFrame);
   const auto labels = labels_of(tracker, events);
-  tracker.set_keep(0.1);
+  tracker.set_gamma(0.1);
   const std::vector<Event> outside{{.x = 346, .y = 0, .p = 0, .t = 0}};
   tracker.process(outside);
   tracker.reset();
@@ -125,7 +125,7 @@ TEST(ClusterTracker, AllocatesOnlyInTheConstructor) {
   tracker.process(events, labels);
   tracker.clusters_at(events.back().t + 5000, clusters);
   tracker.objects_at(events.back().t + 5000, objects);
-  tracker.set_keep(0.5);
+  tracker.set_gamma(0.5);
   tracker.reset();
   tracker.process(events);
   tracker.advance_to(events.back().t + 10'000'000);
@@ -244,7 +244,7 @@ TEST(ClusterTracker, AskingChangesNothing) {
     const std::uint64_t draw = random(events.size() + i);
     if (draw % 4096 == 0) {
       for (ClusterTracker* tracker : {&silent, &asked})
-        tracker->set_keep(draw % 8192 == 0 ? 0.1 : 0.3);
+        tracker->set_gamma(draw % 8192 == 0 ? 0.1 : 0.3);
     }
     std::int32_t a = 0;
     std::int32_t b = 0;
@@ -452,10 +452,10 @@ TEST(ClusterTracker, AllowsEveryLimitOfItsParameters) {
 
 TEST(ClusterTracker, KeepIsCheckedAndZeroIsAllowed) {
   ClusterTracker tracker(kFrame);
-  EXPECT_THROW(tracker.set_keep(-0.1), std::invalid_argument);
-  EXPECT_THROW(tracker.set_keep(1.1), std::invalid_argument);
-  EXPECT_THROW(tracker.set_keep(std::numeric_limits<double>::quiet_NaN()), std::invalid_argument);
-  tracker.set_keep(0);
+  EXPECT_THROW(tracker.set_gamma(-0.1), std::invalid_argument);
+  EXPECT_THROW(tracker.set_gamma(1.1), std::invalid_argument);
+  EXPECT_THROW(tracker.set_gamma(std::numeric_limits<double>::quiet_NaN()), std::invalid_argument);
+  tracker.set_gamma(0);
   tracker.process(scene(40'000));
   expect_sane(tracker.clusters());
 }
@@ -464,9 +464,9 @@ TEST(ClusterTracker, KeepOfOneIsWithoutEffect) {
   const auto events = scene(40'000);
   ClusterTracker told(kFrame);
   ClusterTracker untold(kFrame);
-  told.set_keep(0.2);
-  told.set_keep(1, true);
-  told.set_keep(1);
+  told.set_gamma(0.2);
+  told.set_gamma(1, true);
+  told.set_gamma(1);
   EXPECT_EQ(labels_of(told, events), labels_of(untold, events));
 }
 
@@ -480,7 +480,7 @@ TEST(ClusterTracker, FindsThemAmongATenthOfTheEventsWhenTold) {
   ClusterTracker whole(kFrame);
   whole.process(all);
   ClusterTracker told(kFrame);
-  told.set_keep(0.1);
+  told.set_gamma(0.1);
   told.process(events);
   std::size_t found = 0;
   for (const Cluster& c : whole.clusters()) {
@@ -503,7 +503,7 @@ TEST(ClusterTracker, FindsWeakObjectsAmongATenthOfTheEvents) {
     if (random.uniform(i) < 0.1) events.push_back(all[i]);
   }
   ClusterTracker tracker(kFrame);
-  tracker.set_keep(0.1);
+  tracker.set_gamma(0.1);
   tracker.process(events);
   EXPECT_GE(tracker.clusters().size(), 7U);
   EXPECT_LE(tracker.clusters().size(), 9U);
@@ -536,7 +536,7 @@ double share_of_lamp(double gamma, std::uint64_t seed) {
   std::size_t kept = 0;
   std::size_t followed = 0;
   ClusterTracker tracker(kFrame);
-  tracker.set_keep(gamma);
+  tracker.set_gamma(gamma);
   for (std::uint64_t i = 0; i < 12'000; ++i) {
     if (random.uniform(4 * i) >= gamma) continue;
     const bool lamp = i % 3 != 0;
@@ -580,7 +580,7 @@ TEST(ClusterTracker, NoiseAloneMakesNoClusterHoweverFewAreKept) {
                      .t = static_cast<std::int64_t>(period_us * static_cast<double>(i))};
       }
       ClusterTracker tracker(kFrame);
-      tracker.set_keep(gamma);
+      tracker.set_gamma(gamma);
       const auto labels = labels_of(tracker, events);
       EXPECT_EQ(*std::max_element(labels.begin(), labels.end()), -1) << gamma << ' ' << noise_hz;
     }
@@ -613,7 +613,7 @@ std::uint64_t bits_on(const asap::MovingShapesConfig& scene) {
   std::vector<std::int32_t> labels(1000);
   for (std::size_t i = 0; i + 1000 <= events.size(); i += 1000) {
     const asap::EventSpan package = std::span(events).subspan(i, 1000);
-    if (i >= 50'000) tracker.set_keep(0.3, i >= 65'000);
+    if (i >= 50'000) tracker.set_gamma(0.3, i >= 65'000);
     const std::size_t kept = i < 50'000 ? 1000 : 300;
     tracker.process(package.first(kept), std::span(labels).first(kept));
     for (const std::int32_t label : std::span(labels).first(kept)) add(std::int64_t{label});

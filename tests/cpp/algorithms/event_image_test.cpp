@@ -142,19 +142,19 @@ TEST(EventImage, FlushCompletesWhatHasBegun) {
 TEST(EventImage, BehindADiscarderItHoldsAsMuch) {
   const auto events = asap::test::golden_corner_stream(10'000);
   EventImage image({.width = 346, .height = 260, .count = 1000, .channels = {count}});
-  image.set_keep(0.25);
+  image.set_gamma(0.25);
   auto images = images_of(image, std::span(events).first(5000));
   ASSERT_EQ(images.size(), 20U);  // of 250 events each
   for (const Image& one : images) EXPECT_EQ(total(one.values), 1000);
 
-  image.set_keep(1);  // at a package's boundary, in the middle of an image
+  image.set_gamma(1);  // at a package's boundary, in the middle of an image
   image.process(std::span(events).first(500));
-  image.set_keep(0.5);
+  image.set_gamma(0.5);
   images = images_of(image, std::span(events).subspan(500, 250));
   ASSERT_EQ(images.size(), 1U);
   EXPECT_EQ(total(images[0].values), 1000);
 
-  image.set_keep(0);  // counts as kMinKeep
+  image.set_gamma(0);  // counts as kMinGamma
   images = images_of(image, std::span(events).first(3));
   EXPECT_EQ(images.size(), 3U);
   EXPECT_EQ(total(images[0].values), 1000);

@@ -196,10 +196,10 @@ TYPED_TEST(EveryAlgorithm, SurvivesAnyStampAndPolarity) {
 
 TYPED_TEST(EveryAlgorithm, KeepIsCheckedAndMostlyWithoutEffect) {
   for (const double bad : {-0.1, 1.1, std::numeric_limits<double>::quiet_NaN()}) {
-    EXPECT_THROW(this->algorithm_.set_keep(bad), std::invalid_argument);
+    EXPECT_THROW(this->algorithm_.set_gamma(bad), std::invalid_argument);
   }
-  this->algorithm_.set_keep(0);
-  this->algorithm_.set_keep(0.1);
+  this->algorithm_.set_gamma(0);
+  this->algorithm_.set_gamma(0.1);
   const bool is_same =
       seen_by(this->algorithm_, this->events_) == seen_by(this->other_, this->events_);
   EXPECT_EQ(is_same, (!std::is_same_v<TypeParam, BackgroundActivityFilter> &&
@@ -231,7 +231,7 @@ TYPED_TEST(EveryAlgorithm, AllocatesOnlyInTheConstructor) {
   Seen seen;
   const std::size_t before = test::allocations();
   seen.process(this->algorithm_, this->events_);
-  this->algorithm_.set_keep(0.5);
+  this->algorithm_.set_gamma(0.5);
   this->algorithm_.reset();
   seen.process(this->algorithm_, EventSpan(this->events_).first(kEvents / 2));
   EXPECT_EQ(test::allocations(), before);

@@ -131,9 +131,9 @@ TEST(FeatureTracker, DropsAndCountsEventsOutsideTheFrame) {
 
 TEST(FeatureTracker, KeepIsChecked) {
   FeatureTracker told(with(CornerSource::arc_star));
-  told.set_keep(0);
+  told.set_gamma(0);
   for (const double bad : {-0.1, 1.1, std::numeric_limits<double>::quiet_NaN()}) {
-    EXPECT_THROW(told.set_keep(bad), std::invalid_argument);
+    EXPECT_THROW(told.set_gamma(bad), std::invalid_argument);
   }
 }
 
@@ -209,7 +209,7 @@ TEST(FeatureTracker, AllocatesOnlyInTheConstructor) {
     Labels labels(stream().size());
     const std::size_t before = asap::test::allocations();
     tracker.process(stream(), labels);
-    tracker.set_keep(0.5);
+    tracker.set_gamma(0.5);
     tracker.reset();
     EXPECT_EQ(asap::test::allocations(), before);
   }

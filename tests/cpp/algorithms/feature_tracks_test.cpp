@@ -255,7 +255,7 @@ TEST(FeatureTracks, TheWindowStretchesWhereFewEventsAreKept) {
   auto corners = texture();
   for (Event& corner : corners) corner.t *= 10;
   FeatureTracks told({.width = 346, .height = 260});
-  told.set_keep(0.1);
+  told.set_gamma(0.1);
   FeatureTracks other({.width = 346, .height = 260});
   for (const Event& corner : corners) {
     told.update(corner);

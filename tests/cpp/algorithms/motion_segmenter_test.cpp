@@ -265,7 +265,7 @@ TEST(MotionSegmenter, ToldTheKeptFractionItKnowsMoreOften) {
   std::array<int, 2> known{};
   for (const bool is_told : {false, true}) {
     auto found = segmenter();
-    if (is_told) found.set_keep(0.2);
+    if (is_told) found.set_gamma(0.2);
     for (const Event& event : kept) {
       found.process({&event, 1});
       known[is_told] += found.camera_motion().has_value();
@@ -273,7 +273,7 @@ TEST(MotionSegmenter, ToldTheKeptFractionItKnowsMoreOften) {
   }
   EXPECT_GT(known[1], known[0]);
   auto found = segmenter();
-  EXPECT_THROW(found.set_keep(1.1), std::invalid_argument);
+  EXPECT_THROW(found.set_gamma(1.1), std::invalid_argument);
 }
 
 TEST(MotionSegmenter, CountsEventsOutsideTheFrame) {

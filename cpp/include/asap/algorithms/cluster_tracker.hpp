@@ -1,6 +1,6 @@
 // ClusterTracker: detects and tracks the moving objects in an event stream, event by event, with
 // one setting for objects of radius 3 to 20 px. Each has an id, position, velocity and covariance.
-// It needs no noise filter in front; set_keep() tells it the kept fraction. One thread at a time.
+// It needs no noise filter in front; set_gamma() tells it the kept fraction. One thread at a time.
 // process() is O(1) per event, whatever the number of clusters, and allocates nothing: the
 // constructor takes all memory. Results do not depend on how the stream is cut into calls. A
 // timestamp that goes back by at most a second counts as the latest one; after a larger step back
@@ -143,7 +143,7 @@ class ClusterTracker {
   // Sets the fraction of the events that reaches the tracker, in [0, 1]; its memories, which count
   // events, adapt. Cheap enough for every package. `filter_upstream`: a noise filter stands before
   // the thinning. Throws std::invalid_argument if gamma is out of range.
-  void set_keep(double gamma, bool filter_upstream = false);
+  void set_gamma(double gamma, bool filter_upstream = false);
 
   // Back to the state after construction: the same events give the same results.
   void reset() noexcept;

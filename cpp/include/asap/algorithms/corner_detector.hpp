@@ -60,7 +60,7 @@ class CornerDetector {
 
   // The fraction of the events that reaches the detector, in [0, 1]. Checked, without effect: the
   // published rules compare the order of events and hold no rate to correct.
-  void set_keep(double gamma);
+  void set_gamma(double gamma);
 
   // Back to the state after construction.
   void reset() noexcept;

@@ -45,7 +45,7 @@ struct ImageView {
 class EventImage {
  public:
   using Config = EventImageConfig;
-  static constexpr double kMinKeep = 1e-3;  // below it, events count as at it
+  static constexpr double kMinGamma = 1e-3;  // below it, events count as at it
 
   // Throws std::invalid_argument that names the bad field.
   explicit EventImage(const Config& config);
@@ -79,7 +79,7 @@ class EventImage {
   ImageView image() const noexcept;
 
   // The fraction of the events that reaches the images, in [0, 1]; see above.
-  void set_keep(double gamma);
+  void set_gamma(double gamma);
 
   // Back to the state after construction.
   void reset() noexcept;

@@ -48,7 +48,7 @@ class EventSurface {
 
   // The fraction of the events that reaches the surface, in [0, 1]. Checked, without effect: the
   // published rules age by the events of the neighbourhood and hold no rate to correct.
-  void set_keep(double gamma);
+  void set_gamma(double gamma);
 
   // Back to the state after construction.
   void reset() noexcept;

@@ -75,7 +75,7 @@ class FeatureTracker {
   // Sets the fraction of the events that reaches the tracker, in [0, 1]: the window's time
   // stretches, so that as many corner events are remembered. Throws std::invalid_argument if gamma
   // is out of range.
-  void set_keep(double gamma);
+  void set_gamma(double gamma);
 
   // Back to the state after construction.
   void reset() noexcept;

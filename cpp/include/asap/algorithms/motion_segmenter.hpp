@@ -73,7 +73,7 @@ class MotionSegmenter {
 
   // Sets the fraction of the events that reaches the algorithm, in [0, 1]: the flow that "known"
   // asks for goes with it. Throws std::invalid_argument if gamma is out of range.
-  void set_keep(double gamma);
+  void set_gamma(double gamma);
 
   // Back to the state after construction.
   void reset() noexcept;

@@ -47,7 +47,7 @@ class BackgroundActivityFilter {
 
   // The fraction of the events that reaches the filter, in [0, 1]: neighbours become as rare, so
   // it grows to window / gamma, at most 500 s.
-  void set_keep(double gamma);
+  void set_gamma(double gamma);
 
   // Back to the state after construction.
   void reset() noexcept;
@@ -117,7 +117,7 @@ class HotPixelMask {
 
   // The fraction of the events that reaches the mask, in [0, 1]. Checked, without effect: shares
   // stay what they are.
-  void set_keep(double gamma);
+  void set_gamma(double gamma);
 
   // Back to the state after construction: what was learned is forgotten.
   void reset() noexcept;

@@ -57,7 +57,7 @@ class PlaneFlow {
 
   // The fraction of the events that reaches the algorithm, in [0, 1]. Checked, without effect: none
   // is needed, and a window grown by 1 / gamma reaches back to edges that passed before.
-  void set_keep(double gamma);
+  void set_gamma(double gamma);
 
   // Back to the state after construction.
   void reset() noexcept;

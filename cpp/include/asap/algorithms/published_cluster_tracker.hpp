@@ -71,7 +71,7 @@ class PublishedClusterTracker {
 
   // The fraction of the events that reaches the tracker, in [0, 1]. Checked, without effect: the
   // published rule does not know it, its window of S events stretches in time by itself.
-  void set_keep(double gamma);
+  void set_gamma(double gamma);
 
   // Back to the state after construction, seed included: the same events give the same results.
   void reset() noexcept;

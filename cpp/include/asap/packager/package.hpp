@@ -17,7 +17,7 @@ struct Package {
   std::uint64_t index = 0;   // number of the package, from 0
   bool continues = false;    // a later part of an anytime package
   double gamma = 1.0;        // kept / (offered - filtered); as planned while parts are to come
-  double keep = 1.0;         // kept fraction smoothed over about 20 ms, for set_keep
+  double keep = 1.0;         // kept fraction smoothed over about 20 ms, for set_gamma
   std::size_t raw = 0;       // raw events that leave the ring when it is completed
   std::size_t offered = 0;   // raw events behind it: raw, and those of takes that kept nothing
   std::size_t filtered = 0;  // offered events that the front filter dropped

@@ -58,7 +58,7 @@ Settings::Settings(const ClusterTrackerConfig& c) noexcept
     : uses_support(c.support != ClusterSupport::kOff),
       gate{.birth_radius_px = single(c.birth_radius_px), .max_radius_px = single(c.max_radius_px)},
       lifecycle{.coast_s = seconds(c.coast)} {
-  set_keep(c, 1, false);
+  set_gamma(c, 1, false);
 }
 
 float Settings::birth_threshold(float noise_hz) const noexcept {
@@ -67,8 +67,8 @@ float Settings::birth_threshold(float noise_hz) const noexcept {
   return std::max(seed_events, expected + 4 * std::sqrt(expected) + 2);
 }
 
-void Settings::set_keep(const ClusterTrackerConfig& c, double gamma,
-                        bool filtered_upstream) noexcept {
+void Settings::set_gamma(const ClusterTrackerConfig& c, double gamma,
+                         bool filtered_upstream) noexcept {
   gamma = std::max(gamma, kMinGamma);
   constexpr double kEvents = kMeanEvents;
   const double kept = std::clamp(2 * kEvents * gamma, kEvents / 3, kEvents);
@@ -193,8 +193,8 @@ void Engine::reset() noexcept {
   next_id_ = 0;
 }
 
-void Engine::set_keep(double gamma, bool filtered_upstream) noexcept {
-  settings_.set_keep(config_, gamma, filtered_upstream);
+void Engine::set_gamma(double gamma, bool filtered_upstream) noexcept {
+  settings_.set_gamma(config_, gamma, filtered_upstream);
 }
 
 void Engine::clear_maps() noexcept {

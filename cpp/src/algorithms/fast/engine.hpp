@@ -39,7 +39,7 @@ struct Settings {
   // longer because neighbours are rarer, and fewer events make a cluster. gamma = 1 changes
   // nothing. `filtered_upstream`: a noise filter stands before the thinning, so events without
   // support are rejected from gamma = 0.75 instead of 0.08 on.
-  void set_keep(const ClusterTrackerConfig& config, double gamma, bool filtered_upstream) noexcept;
+  void set_gamma(const ClusterTrackerConfig& config, double gamma, bool filtered_upstream) noexcept;
 
   // Upper bound on the recent unassociated events around a cell that noise alone explains.
   float birth_threshold(float noise_hz) const noexcept;
@@ -90,7 +90,7 @@ class Engine {
   // The latest timestamp.
   std::int64_t latest_us() const noexcept { return clock_.latest_us(); }
 
-  void set_keep(double gamma, bool filtered_upstream) noexcept;
+  void set_gamma(double gamma, bool filtered_upstream) noexcept;
   void reset() noexcept;
 
   const Counters& counters() const noexcept { return counters_; }

@@ -37,7 +37,7 @@ class Delivery(NamedTuple):
     """A package."""
 
     events: NDArray[np.void]
-    keep: float  #: the fraction that the algorithm was told
+    gamma: float  #: the fraction that the algorithm was told
     done_us: float
 
 
@@ -53,23 +53,23 @@ class Recorder:
 
     def __init__(self) -> None:
         self._packages: list[tuple[NDArray[np.void], float]] = []
-        self._keep = 1.0
+        self._gamma = 1.0
 
-    def set_keep(self, gamma: float) -> None:
+    def set_gamma(self, gamma: float) -> None:
         """Note what an algorithm would be told."""
-        self._keep = gamma
+        self._gamma = gamma
 
     def process(self, events: NDArray[np.void]) -> None:
         """Keep a package."""
-        self._packages.append((events.copy(), self._keep))
+        self._packages.append((events.copy(), self._gamma))
 
     def deliveries(self, run: Run) -> list[Delivery]:
         """Put the times of a run in virtual time to its packages."""
         rows = run.packages[run.packages["size"] > 0]
         done_us = (rows["start_us"] + rows["processing_us"]).tolist()
         return [
-            Delivery(events, keep, done)
-            for (events, keep), done in zip(self._packages, done_us, strict=True)
+            Delivery(events, gamma, done)
+            for (events, gamma), done in zip(self._packages, done_us, strict=True)
         ]
 
 
@@ -97,8 +97,8 @@ def _mota(tracker: Any, scene: Any, deliveries: Sequence[Delivery]) -> float:
     following = 0
     for sample in samples_without_clusters(scene):
         while following < len(deliveries) and deliveries[following].done_us <= sample.t_us:
-            if hasattr(tracker, "set_keep"):
-                tracker.set_keep(deliveries[following].keep)
+            if hasattr(tracker, "set_gamma"):
+                tracker.set_gamma(deliveries[following].gamma)
             tracker.process(deliveries[following].events)
             following += 1
         samples.append(sample._replace(clusters=snapshot_at(tracker, sample.t_us)))
@@ -113,7 +113,7 @@ def _split_at(deliveries: Sequence[Delivery], times_us: Sequence[int]) -> list[D
         inside = [t for t in times_us if stamps[0] < t <= stamps[-1]]
         for events in np.split(one.events, np.searchsorted(stamps, inside)):
             if events.size:
-                parts.append(Delivery(events, one.keep, float(events["t"][-1]) + 0.5))
+                parts.append(Delivery(events, one.gamma, float(events["t"][-1]) + 0.5))
     return parts
 
 
@@ -137,8 +137,8 @@ def corner_accuracy(
     """F of a detector that gets these packages."""
     called, in_time, events = [], [], []
     for one in deliveries:
-        if hasattr(detector, "set_keep"):
-            detector.set_keep(one.keep)
+        if hasattr(detector, "set_gamma"):
+            detector.set_gamma(one.gamma)
         called.append(detector.process(one.events))
         in_time.append(one.done_us - one.events["t"] <= latency_us)
         events.append(one.events)

@@ -94,7 +94,7 @@ class LadderCase:
         """Let the scheme say what fraction it keeps, or replace what it says."""
         if self.told == "by the scheme":
             return deliveries
-        return [one._replace(keep=kept if self.told == "mean" else 1.0) for one in deliveries]
+        return [one._replace(gamma=kept if self.told == "mean" else 1.0) for one in deliveries]
 
     def _accuracy(
         self, rung: LadderRung, scene: Scene, deliveries: list[Delivery], *, twin: bool = False

@@ -132,7 +132,7 @@ def keep_curve(
 
     Notes
     -----
-    Uniform and independent thinning (`asap.GammaFilter`). An algorithm without ``set_keep`` is not
+    Uniform and independent thinning (`asap.GammaFilter`). An algorithm without ``set_gamma`` is not
     told.
     """
     gammas = [

@@ -61,7 +61,7 @@ def score(
     gamma : float
         Fraction of the events behind the filter that is kept, uniformly and independently.
     told : bool
-        Whether the algorithm gets ``set_keep(gamma)``, where it has it; not called at gamma = 1.
+        Whether the algorithm gets ``set_gamma(gamma)``, where it has it; not called at gamma = 1.
     seed : int
         Of the thinning.
     active : {"produced", "kept"}
@@ -166,21 +166,21 @@ def _figures(
 
 def can_be_told(algorithm: Any) -> bool:
     """Whether an algorithm takes the kept fraction."""
-    return hasattr(algorithm, "set_keep")
+    return hasattr(algorithm, "set_gamma")
 
 
 def _tell(algorithm: Any, gamma: float, *, filter_upstream: bool) -> None:
-    if _takes_filter_upstream(algorithm.set_keep):
-        algorithm.set_keep(gamma, filter_upstream=filter_upstream)
+    if _takes_filter_upstream(algorithm.set_gamma):
+        algorithm.set_gamma(gamma, filter_upstream=filter_upstream)
     else:
-        algorithm.set_keep(gamma)
+        algorithm.set_gamma(gamma)
 
 
-def _takes_filter_upstream(set_keep: Any) -> bool:
+def _takes_filter_upstream(set_gamma: Any) -> bool:
     try:
-        return "filter_upstream" in inspect.signature(set_keep).parameters
+        return "filter_upstream" in inspect.signature(set_gamma).parameters
     except ValueError:  # native: the signature is the first line of its docstring
-        return "filter_upstream" in (set_keep.__doc__ or "").partition("\n")[0]
+        return "filter_upstream" in (set_gamma.__doc__ or "").partition("\n")[0]
 
 
 def _of_tracker(trace: Trace) -> dict[str, float]:
