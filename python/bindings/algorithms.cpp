@@ -352,8 +352,8 @@ happens.
 Parameters
 ----------
 gamma : float
-    0 <= gamma <= 1. 1 changes nothing. "fast" adapts all that counts events or looks for neighbours;
-    cheap enough for every package. "compat" checks it: its window counts events and so stretches in
+    0 <= gamma <= 1. 1 changes nothing. "fast" adapts all that counts events or looks for neighbours to
+    the mean over the latest events; for every package. "compat" checks it: its window counts events and so stretches in
     time by itself.
 filter_upstream : bool
     A noise filter stands before the discarder: "fast" rejects no more events as noise from 0.08 to 0.75;

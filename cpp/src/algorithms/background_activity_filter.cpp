@@ -3,6 +3,7 @@
 #include "algorithms/int4.hpp"
 #include "algorithms/recent_times.hpp"
 #include "algorithms/sensor_frame.hpp"
+#include "algorithms/smooth_gamma.hpp"
 #include "core/check.hpp"
 
 namespace asap {
@@ -48,19 +49,24 @@ class BackgroundActivityFilter::Impl {
     return passes;
   }
 
-  void set_gamma(double gamma) noexcept {
+  // So many events come now.
+  void begin(std::size_t events) noexcept {
+    if (!gamma.take(events)) return;
     constexpr auto kLongest = static_cast<double>(RecentTimes::kMaxWindow_us);
     const auto window = static_cast<double>(config.window.count());
-    window_us_ = static_cast<Time>(window < kLongest * gamma ? window / gamma : kLongest);
+    const double kept = gamma.value();
+    window_us_ = static_cast<Time>(window < kLongest * kept ? window / kept : kLongest);
   }
 
   void reset() noexcept {
     times_.clear();
     window_us_ = static_cast<Time>(config.window.count());
+    gamma = {};
     rejected = 0;
   }
 
   Config config;
+  SmoothGamma gamma;
   std::uint64_t rejected = 0;
 
  private:
@@ -85,6 +91,7 @@ BackgroundActivityFilter& BackgroundActivityFilter::operator=(BackgroundActivity
 
 std::size_t BackgroundActivityFilter::process(EventSpan events, std::span<Event> out) noexcept {
   Impl& impl = *impl_;
+  impl.begin(events.size());
   std::size_t passed = 0;
   for (const Event event : events) {
     const bool passes = impl.update(event);
@@ -96,7 +103,7 @@ std::size_t BackgroundActivityFilter::process(EventSpan events, std::span<Event>
 
 void BackgroundActivityFilter::set_gamma(double gamma) {
   require(0 <= gamma && gamma <= 1, "gamma", gamma, "must be in [0, 1]");
-  impl_->set_gamma(gamma);
+  impl_->gamma.tell(gamma);
 }
 
 void BackgroundActivityFilter::reset() noexcept { impl_->reset(); }

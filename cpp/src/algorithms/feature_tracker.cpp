@@ -8,6 +8,7 @@
 
 #include "algorithms/feature_tracks.hpp"
 #include "algorithms/sensor_frame.hpp"
+#include "algorithms/smooth_gamma.hpp"
 #include "asap/algorithms/corner_detector.hpp"
 #include "core/check.hpp"
 
@@ -63,6 +64,7 @@ class FeatureTracker::Impl {
   // corners.
   template <class Visit>
   void for_each_label(EventSpan events, Visit&& visit) noexcept {
+    if (gamma.take(events.size())) tracks.set_gamma(gamma.value());
     constexpr std::size_t kBlock = 256;
     std::array<std::uint8_t, kBlock> corners;
     const auto label = [&](auto& any) {
@@ -81,6 +83,7 @@ class FeatureTracker::Impl {
   Config config;
   FeatureTracks tracks;
   Detector detector;
+  SmoothGamma gamma;
 };
 
 FeatureTracker::FeatureTracker(const Config& config) : impl_(std::make_unique<Impl>(config)) {}
@@ -108,12 +111,13 @@ void FeatureTracker::tracks(std::vector<FeatureTrack>& tracks) const { impl_->tr
 
 void FeatureTracker::set_gamma(double gamma) {
   require(0 <= gamma && gamma <= 1, "gamma", gamma, "must be in [0, 1]");
-  impl_->tracks.set_gamma(gamma);
+  impl_->gamma.tell(gamma);
 }
 
 void FeatureTracker::reset() noexcept {
   std::visit([](auto& detector) { detector.reset(); }, impl_->detector);
   impl_->tracks.clear();
+  impl_->gamma = {};
 }
 
 std::uint64_t FeatureTracker::rejected() const noexcept {

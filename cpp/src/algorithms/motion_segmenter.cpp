@@ -10,6 +10,7 @@
 #include "algorithms/motion/motion_regions.hpp"
 #include "algorithms/motion/recent_flow.hpp"
 #include "algorithms/motion/region_tracks.hpp"
+#include "algorithms/smooth_gamma.hpp"
 #include "asap/algorithms/plane_flow.hpp"
 #include "core/check.hpp"
 
@@ -61,6 +62,7 @@ class MotionSegmenter::Impl {
   void process(EventSpan events) noexcept {
     constexpr std::size_t kBlock = 256;
     std::array<Flow, kBlock> flows;
+    gamma.take(events.size());
     while (!events.empty()) {
       const EventSpan block = events.first(std::min(kBlock, events.size()));
       const auto flows_of_block = std::span(flows).first(block.size());
@@ -106,12 +108,12 @@ class MotionSegmenter::Impl {
     background_.reset();
     tracks_.clear();
     has_begun_ = false;
-    keep = 1;
+    gamma = {};
   }
 
   Config config;
   PlaneFlow flow;
-  double keep = 1;
+  SmoothGamma gamma;
 
  private:
   void advance(std::int64_t t_us) noexcept {
@@ -142,7 +144,7 @@ class MotionSegmenter::Impl {
   void step() noexcept {
     recent_.forget_before(next_step_us_ - kMemory_us);
     const std::span<const FlowSample> samples = recent_.samples();
-    const bool is_known = background_.fit(samples, keep);
+    const bool is_known = background_.fit(samples, gamma.value());
     tracks_.step(is_known ? regions_.find(samples, background_)
                           : std::span<const motion::Region>{});
     // Nothing happens in the rest of a long silence.
@@ -197,7 +199,7 @@ std::optional<CameraMotion> MotionSegmenter::camera_motion() const noexcept {
 
 void MotionSegmenter::set_gamma(double gamma) {
   require(0 <= gamma && gamma <= 1, "gamma", gamma, "must be in [0, 1]");
-  impl_->keep = gamma;
+  impl_->gamma.tell(gamma);
 }
 
 void MotionSegmenter::reset() noexcept { impl_->reset(); }

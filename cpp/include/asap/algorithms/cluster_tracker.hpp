@@ -140,9 +140,9 @@ class ClusterTracker {
   // event and for a t_us of the past. To look ahead, use clusters_at().
   void advance_to(std::int64_t t_us) noexcept;
 
-  // Sets the fraction of the events that reaches the tracker, in [0, 1]; its memories, which count
-  // events, adapt. Cheap enough for every package. `filter_upstream`: a noise filter stands before
-  // the thinning. Throws std::invalid_argument if gamma is out of range.
+  // Tells the share of the next events that thinning kept, in [0, 1]; what counts events adapts to
+  // its mean over the latest ones. For every package. `filter_upstream`: a noise filter stands
+  // before the thinning. Throws std::invalid_argument if gamma is out of range.
   void set_gamma(double gamma, bool filter_upstream = false);
 
   // Back to the state after construction: the same events give the same results.

@@ -78,7 +78,7 @@ class EventImage {
   // The last complete image; zeros before the first.
   ImageView image() const noexcept;
 
-  // The fraction of the events that reaches the images, in [0, 1]; see above.
+  // Tells the share of the next events that thinning kept, in [0, 1]; see above.
   void set_gamma(double gamma);
 
   // Back to the state after construction.

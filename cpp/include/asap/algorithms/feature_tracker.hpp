@@ -72,9 +72,9 @@ class FeatureTracker {
   // The same without allocation once `tracks` has the capacity.
   void tracks(std::vector<FeatureTrack>& tracks) const;
 
-  // Sets the fraction of the events that reaches the tracker, in [0, 1]: the window's time
-  // stretches, so that as many corner events are remembered. Throws std::invalid_argument if gamma
-  // is out of range.
+  // Tells the share of the next events that thinning kept, in [0, 1]: the window's time stretches
+  // by its mean, so that as many corner events are remembered. Throws std::invalid_argument if
+  // gamma is out of range.
   void set_gamma(double gamma);
 
   // Back to the state after construction.

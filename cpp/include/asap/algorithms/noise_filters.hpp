@@ -45,8 +45,8 @@ class BackgroundActivityFilter {
   // frame do not pass and are counted.
   std::size_t process(EventSpan events, std::span<Event> out) noexcept;
 
-  // The fraction of the events that reaches the filter, in [0, 1]: neighbours become as rare, so
-  // it grows to window / gamma, at most 500 s.
+  // Tells the share of the next events that thinning kept, in [0, 1]: neighbours become as rare, so
+  // the window grows by the mean of 1 / gamma over the latest events, to at most 500 s.
   void set_gamma(double gamma);
 
   // Back to the state after construction.

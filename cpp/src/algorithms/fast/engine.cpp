@@ -181,6 +181,8 @@ Engine::Engine(const ClusterTrackerConfig& config)
 
 void Engine::reset() noexcept {
   settings_ = Settings(config_);
+  gamma_ = {};
+  filtered_upstream_ = false;
   clock_ = {};
   clear_maps();
   noise_.clear();
@@ -194,7 +196,10 @@ void Engine::reset() noexcept {
 }
 
 void Engine::set_gamma(double gamma, bool filtered_upstream) noexcept {
-  settings_.set_gamma(config_, gamma, filtered_upstream);
+  gamma_.tell(gamma);
+  if (filtered_upstream == filtered_upstream_) return;
+  filtered_upstream_ = filtered_upstream;
+  settings_.set_gamma(config_, gamma_.value(), filtered_upstream);
 }
 
 void Engine::clear_maps() noexcept {
@@ -215,6 +220,9 @@ void Engine::start() noexcept {
 // ---- per event ----
 
 void Engine::process(EventSpan events, std::int32_t* labels) noexcept {
+  if (gamma_.take(events.size())) {
+    settings_.set_gamma(config_, gamma_.value(), filtered_upstream_);
+  }
   if (labels == nullptr) {
     for (const Event& event : events) process(event);
   } else {

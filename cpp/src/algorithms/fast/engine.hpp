@@ -20,6 +20,7 @@
 #include "algorithms/fast/split.hpp"
 #include "algorithms/fast/time.hpp"
 #include "algorithms/fast/track.hpp"
+#include "algorithms/smooth_gamma.hpp"
 #include "asap/algorithms/cluster_tracker.hpp"
 #include "asap/core/event.hpp"
 
@@ -133,6 +134,8 @@ class Engine {
 
   ClusterTrackerConfig config_;
   Settings settings_;
+  SmoothGamma gamma_;
+  bool filtered_upstream_ = false;
   Frame frame_;
   CellMap map_;
   EventClock clock_;

@@ -26,10 +26,10 @@ BackgroundMotion::BackgroundMotion(int width, int height, std::size_t most_sampl
   errors_.reserve(most_samples);
 }
 
-bool BackgroundMotion::fit(std::span<const FlowSample> samples, double keep) noexcept {
+bool BackgroundMotion::fit(std::span<const FlowSample> samples, double gamma) noexcept {
   const bool begins = !is_known_;
   is_known_ = false;
-  if (samples.size() < kFewest || !is_covered(samples, keep, false)) return false;
+  if (samples.size() < kFewest || !is_covered(samples, gamma, false)) return false;
   prepare(samples);
   if (begins) {
     if (!iterate(true)) return false;
@@ -39,7 +39,7 @@ bool BackgroundMotion::fit(std::span<const FlowSample> samples, double keep) noe
     if (!iterate(false)) return false;
   }
   measure_sigma();
-  is_known_ = is_covered(samples, keep, true);
+  is_known_ = is_covered(samples, gamma, true);
   if (is_known_) measure_covariance();
   return is_known_;
 }
@@ -108,7 +108,7 @@ void BackgroundMotion::measure_covariance() noexcept {
 
 // Whether flow lies all over the frame, and much of it in a third of the blocks; after a fit, the
 // flow that fits.
-bool BackgroundMotion::is_covered(std::span<const FlowSample> samples, double keep,
+bool BackgroundMotion::is_covered(std::span<const FlowSample> samples, double gamma,
                                   bool is_fitted) const noexcept {
   std::array<std::uint32_t, kBlocks * kBlocks> fitting{};
   std::array<std::uint32_t, kBlocks * kBlocks> all{};
@@ -122,8 +122,8 @@ bool BackgroundMotion::is_covered(std::span<const FlowSample> samples, double ke
   int some = 0;
   int many = 0;
   for (std::size_t block = 0; block < all.size(); ++block) {
-    some += fitting[block] >= std::max(1.0, 3 * keep);
-    many += fitting[block] >= std::max(3.0, 10 * keep) && 2 * fitting[block] >= all[block];
+    some += fitting[block] >= std::max(1.0, 3 * gamma);
+    many += fitting[block] >= std::max(3.0, 10 * gamma) && 2 * fitting[block] >= all[block];
   }
   return some >= 13 && many >= 5;
 }

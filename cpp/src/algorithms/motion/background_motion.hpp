@@ -81,8 +81,8 @@ class BackgroundMotion {
  public:
   BackgroundMotion(int width, int height, std::size_t most_samples);
 
-  // Fits the samples. False: unknown. `keep`: the fraction of the events that is there.
-  bool fit(std::span<const FlowSample> samples, double keep) noexcept;
+  // Fits the samples. False: unknown. `gamma`: the fraction of the events that is there.
+  bool fit(std::span<const FlowSample> samples, double gamma) noexcept;
 
   void reset() noexcept { is_known_ = false; }
 
@@ -118,7 +118,7 @@ class BackgroundMotion {
     return equation.speed - equation.row.dot(motion_);
   }
   double robust_weight(const Equation& equation, double residual) const noexcept;
-  bool is_covered(std::span<const FlowSample> samples, double keep, bool is_fitted) const noexcept;
+  bool is_covered(std::span<const FlowSample> samples, double gamma, bool is_fitted) const noexcept;
 
   static constexpr std::size_t kCell_px = 16;
 
