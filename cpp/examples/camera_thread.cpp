@@ -33,7 +33,7 @@ int main() {
   asap::ShakenPattern camera{{.duration = std::chrono::milliseconds(500)}};
   const std::jthread driver([&] { play(camera, pipeline); });
   pipeline.run([&](const asap::Package& package) {
-    tracker.set_gamma(package.keep);  // so that its thresholds follow what is discarded
+    tracker.set_gamma(package.gamma);  // so that its thresholds follow what is discarded
     tracker.process(package.events);
   });
 

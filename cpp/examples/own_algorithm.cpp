@@ -13,7 +13,7 @@ namespace {
 
 class RateMap {
  public:
-  void set_gamma(double keep) noexcept { weight_ = 1.0 / keep; }  // the fraction that is kept
+  void set_gamma(double gamma) noexcept { weight_ = 1.0 / gamma; }  // the share that is kept
 
   void process(asap::EventSpan events) noexcept {
     for (const asap::Event& event : events) {
@@ -44,7 +44,7 @@ class RateMap {
 int main() {
   RateMap all, told, not_told;
   const asap::Consumer process = [&](const asap::Package& package) {
-    told.set_gamma(package.gamma);  // package.keep is the same, smoothed over 20 ms
+    told.set_gamma(package.gamma);
     told.process(package.events);
     not_told.process(package.events);
   };

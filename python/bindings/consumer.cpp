@@ -33,7 +33,7 @@ Consumer native(const py::object& algorithm) {
   return [ours = algorithm.cast<Held<Algorithm>>()](const Package& package) {
     const std::lock_guard turn(ours.turns());
     ours.has_worked() = true;
-    if (!package.continues) ours->set_gamma(package.keep);
+    ours->set_gamma(package.gamma);
     ours->process(package.events);
   };
 }
@@ -45,7 +45,7 @@ Consumer native_filter(const py::object& algorithm) {
           passed = std::vector<Event>()](const Package& package) mutable {
     const std::lock_guard turn(ours.turns());
     ours.has_worked() = true;
-    if (!package.continues) ours->set_gamma(package.keep);
+    ours->set_gamma(package.gamma);
     if (passed.size() < package.events.size()) passed.resize(package.events.size());
     ours->process(package.events, passed);
   };
@@ -72,7 +72,7 @@ Consumer foreign_native(const py::object& algorithm) {
   const auto native =
       *static_cast<NativeConsumer*>(PyCapsule_GetPointer(capsule.ptr(), kNativeConsumer));
   return [native](const Package& package) {
-    native.process(native.algorithm, package.events.data(), package.events.size(), package.keep,
+    native.process(native.algorithm, package.events.data(), package.events.size(), package.gamma,
                    package.continues);
   };
 }
@@ -111,7 +111,7 @@ Consumer consumer_of(const py::object& algorithm, PackageArrays arrays) {
   python->arrays = std::move(arrays);
   return [python](const Package& package) {
     with_gil([&] {
-      if (!python->set_gamma.is_none() && !package.continues) python->set_gamma(package.keep);
+      if (!python->set_gamma.is_none()) python->set_gamma(package.gamma);
       python->process(python->arrays.array_of(package.events));
     });
   };

@@ -14,8 +14,8 @@ inline constexpr const char* kNativeConsumer = "__asap_consumer__";
 struct NativeConsumer {
   void* algorithm;  // lives as long as its Python object
 
-  // For every part of a package; `continues`: not the first. `keep`: the kept fraction.
-  void (*process)(void* algorithm, const Event* events, std::size_t size, double keep,
+  // For every part of a package; `continues`: not the first. `gamma` of these events.
+  void (*process)(void* algorithm, const Event* events, std::size_t size, double gamma,
                   bool continues) noexcept;
 };
 

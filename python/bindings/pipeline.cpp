@@ -61,10 +61,7 @@ Its events are a read-only array in EVENT_DTYPE, valid as long as it is referenc
       .def_property_readonly("events", [](const LivePackage& self) { return self.events; })
       .def_property_readonly(
           "gamma", [](const LivePackage& self) { return self.package.gamma; },
-          "Kept / raw events of this package.")
-      .def_property_readonly(
-          "keep", [](const LivePackage& self) { return self.package.keep; },
-          "The kept fraction smoothed over about 20 ms, for set_gamma.")
+          "The share of the events that thinning saw for this package and kept.")
       .def_property_readonly(
           "index", [](const LivePackage& self) { return self.package.index; }, "From 0.")
       .def_property_readonly(

@@ -24,7 +24,6 @@ struct Algorithm {
   void operator()(const Package& package) {
     fuzz::check(!package.events.empty() && package.index == packages++);
     fuzz::check(package.gamma > 0.0 && package.gamma <= 1.0);
-    fuzz::check(package.keep >= 0.0 && package.keep <= 1.0);
     for (const Event& event : package.events) {
       fuzz::check(event.t >= last_us && event.x < width && event.y < height && event.p >> 1 == 0);
       last_us = event.t;

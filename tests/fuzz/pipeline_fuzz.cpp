@@ -103,7 +103,6 @@ class Algorithm {
   void look_at(const Package& package) {
     fuzz::check(!package.events.empty());
     fuzz::check(package.gamma >= 0.0 && package.gamma <= 1.0);
-    fuzz::check(package.keep >= 0.0 && package.keep <= 1.0);
     fuzz::check(package.continues ? package.index + 1 == packages_ : package.index == packages_);
     packages_ = package.index + 1;
     for (const Event& event : package.events) {

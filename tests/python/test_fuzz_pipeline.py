@@ -232,7 +232,7 @@ class LivePipeline(RuleBasedStateMachine):
         self.in_work = len(package)
         self.look_at(package.events)
         assert package.index == self.packages
-        assert 0 < package.gamma <= 1 and 0 <= package.keep <= 1
+        assert 0 < package.gamma <= 1
         assert package.lost_before == package.stale_before + package.overflow_before
         self.packages += 1
 

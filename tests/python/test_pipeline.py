@@ -56,7 +56,7 @@ def test_a_package_says_what_it_is():
     pipeline.stop()
     package = next(iter(pipeline))
     assert (package.index, package.t_first, package.t_last, len(package)) == (0, 0, 9, 10)
-    assert (package.gamma, package.keep, package.lost_before) == (1.0, 1.0, 10)
+    assert (package.gamma, package.lost_before) == (1.0, 10)
     assert not package.events.flags.writeable
     with pytest.raises(ValueError, match="read-only"):
         package.events["x"] = 1

@@ -50,26 +50,6 @@ def test_is_repeatable_and_independent_of_the_cut(scheme):
     assert whole.packages.size > 10
 
 
-def test_keep_is_smoothed_over_about_20_ms():
-    events = streams.poisson(10e6, 0.2)
-    keeps = []
-
-    class Algorithm:
-        def process(self, events):
-            pass
-
-        def set_gamma(self, gamma):
-            keeps.append(gamma)
-
-    run = asap.simulate(
-        events, cost=COST, algorithm=Algorithm(), scheme=asap.Asap2020(rate_bound=1e6)
-    )
-    keeps = np.array(keeps)
-    assert keeps[0] == 1
-    assert np.abs(np.diff(keeps)).max() < np.abs(np.diff(run.packages["gamma"])).max()
-    assert keeps[-1] == pytest.approx(run.packages["gamma"][-50:].mean(), rel=0.1)
-
-
 def test_exception_of_the_algorithm_comes_out_unchanged():
     class Broken(Exception):
         pass

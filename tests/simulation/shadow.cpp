@@ -202,20 +202,24 @@ void Shadow::answered(const Packager::Next& next, const EventBuffer& buffer) {
   journal_.equal(Law::ledger, package.offered, raw_ + offered_without_, "events offered");
   journal_.equal(Law::ledger, package.stale_before, stale_since_, "stale before");
   journal_.equal(Law::ledger, package.overflow_before, overflow_before_, "overflow before");
-  journal_.hold(Law::gamma, package.keep >= 0 && package.keep <= 1, "keep", package.keep);
-  const double low = std::min(package.gamma, keep_);
-  const double high = std::max(package.gamma, keep_);
-  const bool is_between = package.keep >= low - 1e-12 && package.keep <= high + 1e-12;
-  journal_.hold(Law::gamma, is_between, "keep, between the last and gamma", package.keep,
-                package.gamma);
+  told_ = 0;
   if (is_anytime_) {
-    journal_.equal(Law::gamma, package.gamma, decision_.keep, "gamma as planned");
     journal_.hold(Law::size, package.events.empty(), "an anytime package begins without events");
     return;
   }
   journal_.equal(Law::kept_set, package.events.size(), kept_.size(), "events kept");
   journal_.hold(Law::size, !package.events.empty(), "an empty package");
+  untold_ += raw_;
+  hold_gamma(package, kept_.size());
   hold_content(package.events, 0, Law::identity);
+}
+
+// So many events were kept of all that thinning has seen since others were handed out.
+void Shadow::hold_gamma(const Package& package, std::size_t kept) {
+  const double gamma = static_cast<double>(kept) / static_cast<double>(untold_);
+  journal_.equal(Law::gamma, package.gamma, gamma, "gamma = kept / seen");
+  told_ += untold_;
+  untold_ = 0;
 }
 
 // The plan's own tests hold its numbers; here: its strata lie side by side, from the first raw
@@ -240,6 +244,7 @@ AnytimePlan::Stratum Shadow::next_stratum(std::int64_t now_ns) {
                 stratum.keep);
   journal_.equal(Law::size, stratum.is_last, stratum.end == decision_.raw, "the last stratum");
   is_planned_out_ = stratum.is_last;
+  untold_ += stratum.end - stratum.begin;
   raw_ = stratum.end;
   return stratum;
 }
@@ -274,6 +279,7 @@ void Shadow::part(const Package& package, EventSpan part, std::int64_t now_ns) {
     handed_out_ = kept_.size();
   }
   const std::size_t wanted = kept_.size() - before;
+  if (is_anytime_ && wanted > 0) hold_gamma(package, wanted);
   journal_.equal(Law::kept_set, part.size(), wanted, "events kept of a part");
   journal_.equal(Law::size, package.raw, raw_, "raw events so far");
   journal_.equal(Law::size, package.events.size(), kept_.size(), "events so far");
@@ -293,8 +299,8 @@ void Shadow::completing(const Package& package, std::int64_t end_ns) {
                   static_cast<double>(last_t_));
     last_t_ = event.t;
   }
-  const double gamma = static_cast<double>(size) / static_cast<double>(package.offered);
-  if (size > 0) journal_.equal(Law::gamma, package.gamma, gamma, "gamma = size / offered");
+  const double gamma = static_cast<double>(size) / static_cast<double>(told_);
+  if (size > 0) journal_.equal(Law::gamma, package.gamma, gamma, "gamma = size / told");
   end_ns_ = end_ns;
   is_completing_ = true;
 }
@@ -317,6 +323,7 @@ void Shadow::told(const Outcome& outcome) noexcept {
   is_open_ = is_completing_ = false;
   discarded_ += raw_;
   offered_without_ += raw_;
+  if (!is_anytime_) untold_ += raw_;
   leave(raw_);
 }
 
@@ -331,15 +338,6 @@ void Shadow::completed(const RunLog& log) {
   ++tally_.packages;
   journal_.equal(Law::protocol, log.size(), packages_, "rows of the log");
   if (!journal_.failed()) hold_row(log[log.size() - 1]);
-  const auto offered = static_cast<double>(raw_ + offered_without_);
-  const double gamma = static_cast<double>(kept_.size()) / offered;
-  if (gamma == keep_ || previous_start_ns_ == kLongAgo) {
-    keep_ = gamma;
-  } else {
-    const auto elapsed =
-        static_cast<double>(std::max(start_ns_, previous_start_ns_) - previous_start_ns_);
-    keep_ += (gamma - keep_) * (elapsed / (elapsed + 2e7));
-  }
   previous_start_ns_ = start_ns_;
   offered_without_ = 0;
   stale_since_ = 0;

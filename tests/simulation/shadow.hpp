@@ -100,6 +100,7 @@ class Shadow {
   void leave(std::size_t count) noexcept;  // the ring
   AnytimePlan::Stratum next_stratum(std::int64_t now_ns);
   void hold_content(EventSpan events, std::size_t first, Law law);
+  void hold_gamma(const Package& package, std::size_t kept);
   void book_latencies(std::int64_t end_ns);
   void hold_row(const PackageRow& row);
 
@@ -138,7 +139,8 @@ class Shadow {
 
   std::int64_t previous_start_ns_ = kLongAgo;
   std::int64_t last_t_;
-  double keep_ = 1;
+  std::size_t told_ = 0;    // events that thinning has seen for the parts of the package
+  std::size_t untold_ = 0;  // ... and since then
   std::uint64_t packages_ = 0;
   std::uint64_t offered_without_ = 0;
   std::uint64_t stale_since_ = 0;

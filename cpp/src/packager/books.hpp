@@ -37,10 +37,9 @@ class Books {
   // Begins a package taken at now_ns; `lost` is the overflow of the ring so far. add() updates it:
   // it has `raw` events, the last of which lies at ring index `last`, and the front filter has
   // dropped `filtered` of them.
-  void open(Package& package, std::int64_t now_ns, double keep, std::uint64_t lost) const noexcept {
+  void open(Package& package, std::int64_t now_ns, std::uint64_t lost) const noexcept {
     package = {.events = {},
                .index = packages_,
-               .gamma = keep,
                .offered = offered_,
                .filtered = filtered_,
                .stale_before = stale_,

@@ -9,8 +9,6 @@
 namespace asap {
 namespace {
 
-constexpr std::int64_t kSmoothingNs = 20'000'000;
-
 constexpr std::int64_t kGraceShare = 100;  // of the latency bound: an outage is longer than that
 
 // Waiting events are in time order, so an exact count by time is a binary search.
@@ -40,11 +38,8 @@ class RingCounts final : public BacklogCounts {
   const std::int64_t now_ns_;
 };
 
-// Kept by the gamma filter, of what came to it.
-double gamma_of(const Package& package) noexcept {
-  const std::size_t kept = package.events.size();
-  const std::size_t passed = package.offered - package.filtered;
-  return kept == passed ? 1.0 : static_cast<double>(kept) / static_cast<double>(passed);
+double gamma_of(std::size_t kept, std::size_t seen) noexcept {
+  return kept == seen ? 1.0 : static_cast<double>(kept) / static_cast<double>(seen);
 }
 
 EventPieces oldest_of(const EventPieces& waiting, std::size_t count) noexcept {
@@ -132,9 +127,8 @@ Packager::Next Packager::next(std::int64_t now_ns, std::uint64_t until) {
         complete(next.package, now_ns);
         continue;
       }
-      next.package.gamma = gamma_of(next.package);
+      next.package.gamma = tell(next.package.events.size());
     }
-    next.package.keep = smoothed_keep(next.package.gamma, now_ns);
     next.step = Step::package;
     return next;
   }
@@ -170,12 +164,13 @@ Decision Packager::ask(const EventPieces& waiting, std::int64_t oldest_ns, std::
 
 void Packager::open(Package& package, const Decision& decision, std::int64_t now_ns) noexcept {
   handed_out_ = 0;
+  told_ = 0;
   thinner_.begin(raw_, buffer_.head());
   is_anytime_ = config_.execution == Execution::anytime && decision.budget_ns != kNever;
   if (is_anytime_) {
     plan_ = AnytimePlan(decision, now_ns, telemetry_.latency.bound_ns() / kGraceShare);
   }
-  books_.open(package, now_ns, decision.keep, buffer_.overflow());
+  books_.open(package, now_ns, buffer_.overflow());
 }
 
 EventSpan Packager::stratum(Package& package, std::int64_t now_ns) {
@@ -184,14 +179,16 @@ EventSpan Packager::stratum(Package& package, std::int64_t now_ns) {
     const AnytimePlan::Stratum stratum = plan_.next(now_ns, size);
     handed_out_ = package.events.size();
     if (stratum.begin == stratum.end) {
-      package.gamma = gamma_of(package);
+      package.gamma = gamma_of(handed_out_, told_);
       return {};
     }
     // In the last stratum no clock makes up for a chance in the number of events.
     const EventSpan kept = add(package, stratum.begin, stratum.end,
                                {.keep = stratum.keep, .exactly = stratum.is_last});
     if (package.raw < stratum.end) plan_ = {};  // it is full
-    if (!kept.empty()) return kept;
+    if (kept.empty()) continue;
+    package.gamma = tell(kept.size());
+    return kept;
   }
   const EventSpan rest = package.events.subspan(handed_out_);
   handed_out_ = package.events.size();
@@ -212,18 +209,18 @@ void Packager::add_planned(Package& package, const Decision& decision) {
 // Decides the package's raw events [begin, end), which follow those before, or as many as fit.
 EventSpan Packager::add(Package& package, std::size_t begin, std::size_t end, Share share) {
   const EventSpan kept = thinner_.decide(begin, end, share);
+  const std::size_t seen = package.offered - package.filtered;
   const std::size_t raw = thinner_.decided();
   package.events = thinner_.events();
   books_.add(package, raw, buffer_.head() + raw - 1, thinner_.filtered());
+  untold_ += package.offered - package.filtered - seen;
   return kept;
 }
 
-double Packager::smoothed_keep(double gamma, std::int64_t now_ns) const noexcept {
-  if (gamma == keep_ || previous_start_ns_ == kLongAgo) return gamma;
-  const auto elapsed =
-      static_cast<double>(std::max(now_ns, previous_start_ns_) - previous_start_ns_);
-  const double weight = elapsed / (elapsed + static_cast<double>(kSmoothingNs));
-  return keep_ + (gamma - keep_) * weight;
+// Gamma of so many kept events, which are handed out now.
+double Packager::tell(std::size_t kept) noexcept {
+  told_ += untold_;
+  return gamma_of(kept, std::exchange(untold_, 0));
 }
 
 Books::Left Packager::leaving(const EventPieces& waiting, std::size_t count,
@@ -251,7 +248,6 @@ void Packager::complete(const Package& package, std::int64_t end_ns) noexcept {
     books_.discarded(package, left);
   } else {
     books_.delivered(package, left, end_ns, thinner_.arrivals());
-    keep_ = smoothed_keep(gamma_of(package), package.start_ns);
     previous_start_ns_ = package.start_ns;
   }
   observe(package, end_ns);

@@ -84,7 +84,8 @@ class Packager {
             std::uint64_t until = std::numeric_limits<std::uint64_t>::max()) ASAP_NONBLOCKING;
 
   // The kept events to process next, at now_ns; empty: the package is finished. A whole package
-  // comes at once, an anytime package stratum by stratum; package.events are those so far.
+  // comes at once, an anytime package stratum by stratum; package.events are those so far, and
+  // package.gamma is that of the stratum. At the end it is that of the package.
   EventSpan stratum(Package& package, std::int64_t now_ns) ASAP_NONBLOCKING;
 
   // The algorithm has finished the package at end_ns. Precondition: stratum() has been called.
@@ -99,7 +100,7 @@ class Packager {
   void open(Package& package, const Decision& decision, std::int64_t now_ns) noexcept;
   EventSpan add(Package& package, std::size_t begin, std::size_t end, Share share);
   void add_planned(Package& package, const Decision& decision);
-  double smoothed_keep(double gamma, std::int64_t now_ns) const noexcept;
+  double tell(std::size_t kept) noexcept;
   Books::Left leaving(const EventPieces& waiting, std::size_t count,
                       std::int64_t oldest_ns) const noexcept;
   void pass_over(std::size_t count) noexcept;
@@ -121,10 +122,11 @@ class Packager {
   AnytimePlan plan_;
   bool is_anytime_ = false;
   std::size_t handed_out_ = 0;  // kept events
+  std::size_t told_ = 0;        // events that thinning has seen for these
 
   std::uint64_t flush_until_ = 0;
   std::int64_t previous_start_ns_ = kLongAgo;
-  double keep_ = 1.0;
+  std::size_t untold_ = 0;  // events that thinning has seen since the last part handed out
 };
 
 }  // namespace asap

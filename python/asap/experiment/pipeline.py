@@ -183,7 +183,7 @@ class Pipeline:
     def __iter__(self) -> Iterator[_core.LivePackage]:
         """Yield packages until `stop`; from yield to the next turn is the processing time.
 
-        A package has .events (read-only, valid as long as it is kept), .gamma, .keep, .t_first,
+        A package has .events (read-only, valid as long as it is kept), .gamma, .t_first,
         .t_last (us), .index, .lost_before = .stale_before + .overflow_before and .filtered. Leaving
         the loop by break or an exception leaves the package in work pending and, at the end of the
         ``with`` block, stops the pipeline.

@@ -133,7 +133,6 @@ TEST(Packager, HandsOutAPackageWithItsStory) {
   ASSERT_TRUE(first);
   EXPECT_EQ(first->index, 0u);
   EXPECT_EQ(first->gamma, 1.0);
-  EXPECT_EQ(first->keep, 1.0);
   EXPECT_EQ(first->raw, 2u);
   EXPECT_EQ(first->offered, 2u);
   EXPECT_EQ(first->stale_before, 0u);
@@ -370,67 +369,24 @@ TEST(Packager, ReferenceDefect5_AbsurdTimesGiveNoNaN) {
   }
 }
 
-// ---- the smoothed kept fraction
+// ---- gamma
 
-TEST(Packager, SmoothsTheKeptFractionOverTwentyMilliseconds) {
-  double gamma = 1.0;
-  ScriptedScheme scheme(
-      [&](const Backlog& backlog) { return Decision::take(backlog.count, gamma); });
-  Rig rig(scheme, 4096);
-  const Events events = evenly_spaced(4000, 1);
-  double keep = 0;
-  std::int64_t now_ns = 0;
-  const auto run_until = [&](std::int64_t end_ns) {
-    for (; now_ns < end_ns; now_ns += kMillisecond) {
-      rig.push(events);
-      keep = rig.deliver(now_ns)->keep;
-    }
-  };
-  run_until(5 * kMillisecond);
-  EXPECT_EQ(keep, 1.0);
-  gamma = 0.25;
-  run_until(25 * kMillisecond);
-  EXPECT_NEAR(keep, 0.25 + 0.75 * std::exp(-1.0), 0.03);
-  run_until(300 * kMillisecond);
-  EXPECT_NEAR(keep, 0.25, 0.02);
-}
-
-TEST(Packager, TakesThatKeepNothingLowerTheKeptFraction) {
+TEST(Packager, TakesThatKeepNothingCountToTheNextPackage) {
   // Single events at gamma 0.1: every package holds one event, of about ten that were offered.
   ScriptedScheme scheme = taking(1, 0.1);
   Rig rig(scheme, 4096);
-  double keep = 1;
-  std::uint64_t count = 0;
-  double sum = 0;
+  double estimate = 0;
+  std::size_t offered = 0;
   for (std::int64_t t_us = 0; t_us < 1'000'000; t_us += 100) {
     rig.push(at_times({t_us}));
     if (const auto package = rig.deliver(t_us * kMicrosecond)) {
       EXPECT_EQ(package->gamma, 1.0 / static_cast<double>(package->offered));
-      keep = package->keep;
-      if (t_us > 200'000) {
-        sum += keep;
-        ++count;
-      }
+      estimate += 1 / package->gamma;
+      offered += package->offered;
     }
   }
-  EXPECT_GT(count, 700u);
-  // Nearer to the truth than a factor of two.
-  EXPECT_NEAR(sum / static_cast<double>(count), 0.1, 0.06);
-}
-
-TEST(Packager, AClockThatStepsBackLeavesTheKeptFractionAFraction) {
-  double gamma = 1.0;
-  ScriptedScheme scheme(
-      [&](const Backlog& backlog) { return Decision::take(backlog.count, gamma); });
-  Rig rig(scheme, 4096);
-  rig.push(evenly_spaced(1000, 1));
-  rig.deliver(50 * kMillisecond);
-  gamma = 0.5;
-  for (const std::int64_t now_ns : {40 * kMillisecond, 19 * kMillisecond, std::int64_t{0}}) {
-    rig.push(evenly_spaced(1000, 1));
-    const auto package = rig.deliver(now_ns);
-    EXPECT_EQ(package->keep, 1.0) << "no time has passed";
-  }
+  EXPECT_NEAR(estimate, static_cast<double>(offered), 1e-6);
+  EXPECT_NEAR(estimate, 10'000, 100) << "the last ones have no package yet";
 }
 
 // ---- the promises, over random streams, schemes and decisions

@@ -12,12 +12,15 @@
 
 namespace asap {
 
+// events.size() / gamma is the number of events that thinning has seen since the package, or the
+// part of one, before: those of packages and parts that kept nothing count to the next one. So the
+// sum over all is what was received less stale, overflowed and filtered events, whatever the scheme
+// and the execution. Of an anytime package each part has its own.
 struct Package {
   EventSpan events;          // kept, oldest first; never empty when the algorithm sees it
   std::uint64_t index = 0;   // number of the package, from 0
   bool continues = false;    // a later part of an anytime package
-  double gamma = 1.0;        // kept / (offered - filtered); as planned while parts are to come
-  double keep = 1.0;         // kept fraction smoothed over about 20 ms, for set_gamma
+  double gamma = 1.0;        // share of the events that thinning saw for these and kept: below
   std::size_t raw = 0;       // raw events that leave the ring when it is completed
   std::size_t offered = 0;   // raw events behind it: raw, and those of takes that kept nothing
   std::size_t filtered = 0;  // offered events that the front filter dropped

@@ -41,7 +41,7 @@ class ClusterTrackerNode : public EventNode, private ros::Receiver {
   }
 
   void process(const asap::Package& package, std::int64_t stamp_ns) override {
-    tracker_->set_gamma(package.keep);
+    tracker_->set_gamma(package.gamma);
     tracker_->process(package.events);
     const auto now = Clock::now();
     if (now - published_ < kPublishEvery) return;
