@@ -18,20 +18,22 @@
 namespace asap {
 
 // CostModel: what a package of n events will cost, learned from what packages did cost,
-// c(n) = alpha + beta n. Times are ns.
+// c(n) = X (alpha + beta n). The line is the cost of a call that nothing disturbs; X is the mean
+// factor by which noise, pauses and collectors raise it. Times are ns.
 //
 // In closed loop n hardly varies, and then alpha and beta are not separately observable: a plain
-// recursive fit runs away. So the model remembers one average for each power of two of n and
-// updates it only when such sizes occur. The line is a weighted least squares fit through these
-// averages; a fast common scale follows a cost that varies as a whole. An anytime package shows two
-// sizes at once, its first part and all of it.
-// Single outliers are clipped. Low times of new sizes and of single events are trusted, because an
-// interruption only makes a package slower. The third outlier in a row on one side is a new level.
+// recursive fit runs away. So the model remembers one cost for each power of two of n and updates
+// it only when such sizes occur: a low expectile, which follows quick packages at once and slow
+// ones reluctantly, because an interruption only makes a package slower. The line is a weighted
+// least squares fit through these costs. X is a common factor, which also follows a cost that
+// varies as a whole. An anytime package shows two sizes at once, its first part and all of it.
+// Single outliers are clipped. Low times of new sizes and of single events are trusted. The third
+// outlier in a row on one side is a new level.
 // A level above three times or below half of the old one is learned anew, unless the fixed cost
 // alone explains the fall; sizes far beyond the recent ones keep their buckets. Known outages are
 // subtracted first, or they would pass for a fixed cost.
 // Called on the consumer's thread, once per package. O(1), no allocation. Whatever is fed, the
-// estimates are positive and finite.
+// estimates are positive and finite. Source: notebooks/theory.md, section 8.
 struct CostModelConfig {
   double first_alpha_us = 50.0;  // assumed before the first package; forgotten after six
   double first_beta_ns = 100.0;
@@ -46,8 +48,19 @@ class CostModel {
   void update(const Outcome& outcome) noexcept;
   void reset() noexcept;
 
+  // Of the mean package.
   double alpha_ns() const noexcept { return scale_ * alpha_ns_; }
   double beta_ns() const noexcept { return scale_ * beta_ns_; }
+  // The fixed cost of a package that nothing disturbs.
+  double undisturbed_alpha_ns() const noexcept { return alpha_ns_; }
+  // The share of beta that is claimed: none below its standard error, all of it from twice that on,
+  // and all while the first guess is in it.
+  double certainty() const noexcept;
+  // Whether the sizes seen tell the fixed cost from that of the events, to a quarter of it.
+  bool knows_alpha() const noexcept { return beta_error_ns_ * recent_size() <= alpha_ns_ / 4; }
+  // The largest package worth a try where the events seem to cost nothing: twice the largest that
+  // is remembered, and such that it ends within room_ns if that is wrong and nothing disturbs it.
+  double trial_size(double room_ns) const noexcept;
   double predict_ns(double size) const noexcept { return scale_ * line_ns(size); }
   // Upper bound on the cost of an event, its share of the fixed cost included, in packages at least
   // as large as recent ones. It holds however wrong the line is. Infinite before the first package.
@@ -71,7 +84,7 @@ class CostModel {
   struct Bucket {
     double weight;
     double size;     // mean of its packages
-    double cost_ns;  // likewise
+    double cost_ns;  // of those that nothing disturbed
     bool is_prior;   // not measured
 
     bool is_new() const noexcept { return weight < 0.2; }
@@ -99,6 +112,7 @@ class CostModel {
   double max_beta_ns(const Mean& small) const noexcept;
   void forget() noexcept;
   bool knows_better(const Bucket& prior) const noexcept;
+  double undisturbed_event_ns() const noexcept;
   Bucket& bucket(double size) noexcept;
   template <class Self, class Call>
   static void each_asked_for(Self& self, const Call& call) noexcept;
@@ -112,7 +126,8 @@ class CostModel {
   const CostModelConfig config_;
   double alpha_ns_;
   double beta_ns_;
-  double scale_;
+  double beta_error_ns_;  // standard error of beta
+  double scale_;          // X
   double sigma_;
   int streak_;        // outliers in a row: > 0 too slow, < 0 too fast
   double min_error_;  // the smallest error of them

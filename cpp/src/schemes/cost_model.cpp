@@ -23,6 +23,9 @@ constexpr double kPriorWeight = 0.05;
 constexpr double kSpread = 8.0;  // largest / smallest size
 constexpr double kMinWeight = 0.25;
 constexpr double kMaxWeight = 16.0;
+constexpr double kQuickGain = 0.25;  // of a package that is quicker than its size is known for
+constexpr double kSlowGain = 0.05;   // of a slower one
+constexpr double kConfirmed = 2.0;   // packages: the first of a size may have been clipped
 constexpr double kMaxScale = 3.0;
 constexpr double kMaxRise = 2.0;
 constexpr double kMaxFall = -0.5;
@@ -54,6 +57,7 @@ CostModel::CostModel(CostModelConfig config) : config_(config) {
 void CostModel::reset() noexcept {
   alpha_ns_ = config_.first_alpha_us * 1e3;
   beta_ns_ = config_.first_beta_ns;
+  beta_error_ns_ = std::numeric_limits<double>::infinity();
   scale_ = 1.0;
   sigma_ = kFirstSigma;
   streak_ = 0;
@@ -206,8 +210,14 @@ void CostModel::remember(double size, double cost_ns) noexcept {
   }
   bucket.weight = std::min(bucket.weight + 1.0, kMaxWeight);
   const double gain = 1.0 / std::max(bucket.weight, 2.0);
-  bucket.size += gain * (size - bucket.size);
-  bucket.cost_ns += gain * (cost_ns - bucket.cost_ns);
+  const double slope_ns = std::min(beta_ns_, bucket.cost_ns / bucket.size);
+  const double moved = gain * (size - bucket.size);
+  const double error_ns = cost_ns - bucket.cost_ns - slope_ns * (size - bucket.size);
+  const double slower_ns = std::min(error_ns, outlier_limit(sigma_) * bucket.cost_ns);
+  bucket.size += moved;
+  bucket.cost_ns += slope_ns * moved;
+  bucket.cost_ns += error_ns < 0 ? std::max(gain, kQuickGain) * error_ns : kSlowGain * slower_ns;
+  bucket.cost_ns = std::max(bucket.cost_ns, kMinCostNs);
 }
 
 // At most a third as large as the largest recent one.
@@ -235,12 +245,39 @@ double CostModel::max_beta_ns(const Mean& small) const noexcept {
                   kMinShare * max_event_ns_);
 }
 
+double CostModel::certainty() const noexcept {
+  if (on_level() <= kPriorLasts) return 1.0;
+  return std::clamp(beta_ns_ / beta_error_ns_ - 1.0, 0.0, 1.0);
+}
+
+// Fixed costs are not negative: n events take at most n times what an event has cost, its share of
+// the fixed cost included.
+double CostModel::undisturbed_event_ns() const noexcept {
+  double event_ns = max_event_ns_;
+  each_asked_for(*this, [&](const Bucket& bucket) {
+    if (bucket.weight < kConfirmed || bucket.is_prior) return;
+    event_ns = std::min(event_ns, bucket.cost_ns / bucket.size);
+  });
+  return event_ns;
+}
+
+double CostModel::trial_size(double room_ns) const noexcept {
+  double size = 0.0;
+  each_asked_for(*this, [&](const Bucket& bucket) {
+    if (bucket.weight > 0 && !bucket.is_prior) size = std::max(size, bucket.size);
+  });
+  return 1.0 + std::floor(std::min(2.0 * size, room_ns / undisturbed_event_ns()));
+}
+
 double CostModel::safe_size(double room_ns, double fixed_caution, double event_caution,
                             double enough) const noexcept {
-  // Fixed costs are not negative: n events take at most n times what an event has cost.
-  const double share = std::floor(room_ns / (event_caution * max_event_ns_));
+  // Fixed costs are not negative: n events take at most n times what an event has cost. Caution is
+  // for a slope that is known. Without one, packages grow as those that nothing disturbed permit,
+  // or a few slow ones would keep them small.
+  const double caution = 1.0 + certainty() * (event_caution - 1.0);
+  const double event_ns = std::min(event_caution * max_event_ns_, caution * undisturbed_event_ns());
   // One event is added: without it a fixed cost close to the room would keep packages small.
-  double size = 1.0 + std::max(1.0, share);
+  double size = 1.0 + std::max(1.0, std::floor(room_ns / event_ns));
   if (size >= enough) return size;
   const double spare_ns = room_ns - fixed_caution * recent_cost_ns_;
   const Mean small = smaller_packages();
@@ -277,6 +314,7 @@ void CostModel::fit() noexcept {
     }
     alpha_ns_ = alpha_ns;
     beta_ns_ = beta_ns;
+    beta_error_ns_ = sigma_ * std::sqrt(s0 / determinant);
     return;
   }
   // One size only: it says nothing about the parts, but what they sum to. (Otherwise a
@@ -286,6 +324,7 @@ void CostModel::fit() noexcept {
   const double factor = (a * y0 + b * y1) / (a * a * s0 + 2.0 * a * b * s1 + b * b * s2);
   alpha_ns_ = std::max(kMinAlphaNs, factor * a);
   beta_ns_ = std::max(kMinBetaNs, factor * b);
+  beta_error_ns_ = std::numeric_limits<double>::infinity();
 }
 
 void CostModel::follow(double size, double cost_ns, double noise, Gains gains) noexcept {
@@ -304,6 +343,7 @@ void CostModel::rebase(double factor) noexcept {
   }
   alpha_ns_ *= factor;
   beta_ns_ *= factor;
+  beta_error_ns_ *= factor;
   scale_ = 1.0;
 }
 

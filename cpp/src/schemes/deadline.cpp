@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
 
 #include "core/check.hpp"
@@ -28,8 +29,11 @@ constexpr int kLengths = 8;          // that are tried, besides two that fit wha
 constexpr int kRollOut = 3;          // packages that are played forward after this one
 constexpr double kHorizon = 6.0;     // bounds for which a rush goes on
 constexpr double kRecent = 0.1;      // of a bound: what has come in it tells a rush
+constexpr double kCheap = 2.0;       // fixed costs: work that is not worth dropping events for
+constexpr int kRounds = 3;           // until a package and what it can keep agree
 constexpr double kDearest = 50.0;    // fixed costs per bound from which on a gap has its full price
 constexpr std::uint64_t kFirst = 6;  // packages, until the first guess of the cost is forgotten
+constexpr std::uint64_t kTells = 8;  // packages, until the cost of events is told from the fixed
 
 // The price of a gap as long as the bound, as a share of the throughput.
 double gap_price(Prefer prefer) noexcept {
@@ -206,6 +210,7 @@ class DeadlineLaw final : public BoundedScheme {
   Decision take(const Backlog& backlog, double latency_ns, double length_ns, double size,
                 double stay) noexcept;
 
+  std::optional<Decision> try_all(const Backlog& backlog, double latency_ns) noexcept;
   Decision newest_of(const Backlog& backlog, const Decision& slice, double latency_ns) noexcept;
   bool is_early() const noexcept;
   double caution() const noexcept;  // zeta, of events
@@ -239,7 +244,7 @@ Decision DeadlineLaw::decide(const Backlog& backlog) noexcept {
   const double slow = fixed_caution(latency_ns);
   const double slow_ns = std::min(slow * alpha_ns, 0.4 * latency_ns);
   const double shortest_ns = 1.5 * slow_ns;
-  if (probe_.is_due(packages_, alpha_ns, bound_ns)) {
+  if (!cost_.knows_alpha() && probe_.is_due(packages_, alpha_ns, bound_ns)) {
     return take(backlog, latency_ns, std::max(room_ns, shortest_ns), 1.0, kAll);
   }
   // Nothing stops a whole package that is late: a shorter one is less late.
@@ -251,6 +256,7 @@ Decision DeadlineLaw::decide(const Backlog& backlog) noexcept {
     return take(backlog, latency_ns, fit_ns, all, 0.0);
   }
 
+  if (const auto all_in_time = try_all(backlog, latency_ns)) return *all_in_time;
   const WorkByAge work(backlog, latency_ns, event_ns);
   const Plan plan =
       Planner(work, {.latency_ns = latency_ns,
@@ -299,6 +305,39 @@ Decision DeadlineLaw::take(const Backlog& backlog, double latency_ns, double len
   return decision;
 }
 
+// Where the events of a package take hardly longer than what is fixed and no rush is on, dropping
+// events saves next to nothing. Then the reserve and the caution, which are for how much to take,
+// would throw away what mostly ends in time. So every event is taken that a package which nothing
+// disturbs finishes within the bound itself. A slope that its own error exceeds does not count; the
+// package stays so small that it takes no longer than the bound if that was wrong.
+std::optional<Decision> DeadlineLaw::try_all(const Backlog& backlog, double latency_ns) noexcept {
+  if (!is_whole() || packages_ < kTells) return std::nullopt;
+  const auto younger = [&](double age_ns) {
+    const std::int64_t since_ns = backlog.now_ns - std::llround(std::max(age_ns, 0.0));
+    return static_cast<double>(backlog.count - backlog.counts.about_before(since_ns));
+  };
+  const double recent_ns = kRecent * latency_ns;
+  const double event_ns = cost_.certainty() * cost_.beta_ns();
+  if (event_ns * younger(recent_ns) >= recent_ns) return std::nullopt;
+  const double bound_ns = reachable_ns();
+  const double alpha_ns = cost_.undisturbed_alpha_ns();
+  const double most = cost_.trial_size(bound_ns);
+  double keep_ns = age_ns(backlog);
+  double size = 0.0;
+  for (int i = 0; i < kRounds; ++i) {
+    size = std::min(younger(keep_ns), most);
+    keep_ns = bound_ns - (alpha_ns + event_ns * size);
+  }
+  if (size < 1.0 || keep_ns <= 0.0 || event_ns * size > kCheap * alpha_ns) return std::nullopt;
+  age_ns_ = std::min(age_ns(backlog), keep_ns);
+  const auto stale = backlog.counts.before(backlog.now_ns - static_cast<std::int64_t>(keep_ns));
+  if (stale >= backlog.count) return Decision::drop(backlog.count);
+  const auto left = static_cast<double>(backlog.count - stale);
+  Decision decision = Decision::take(static_cast<std::size_t>(std::min(left, most)));
+  decision.stale = stale;
+  return within(std::max(bound_ns - age_ns_, 1.0), decision);
+}
+
 // In place of a first slice that cannot hold what comes while it is processed: the newest events,
 // where few packages fit into a bound while sizes grow. The others would be lost later, and the
 // newest leave the most room to grow.
@@ -315,11 +354,11 @@ Decision DeadlineLaw::newest_of(const Backlog& backlog, const Decision& slice,
   return newest;
 }
 
-// The user's bound, or 2.5 alpha if larger, since no shorter bound is reachable. alpha is ignored
-// while it is a guess.
+// The user's bound, or 2.5 alpha, undisturbed, if larger: no shorter bound is reachable. alpha is
+// ignored while it is a guess.
 double DeadlineLaw::reachable_ns() const noexcept {
   const auto bound_ns = static_cast<double>(latency_bound_ns_.load());
-  return is_early() ? bound_ns : std::max(bound_ns, kReach * cost_.alpha_ns());
+  return is_early() ? bound_ns : std::max(bound_ns, kReach * cost_.undisturbed_alpha_ns());
 }
 
 // The reachable bound less a margin for noise and one for outages.

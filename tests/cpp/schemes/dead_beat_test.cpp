@@ -134,7 +134,7 @@ TEST(DeadBeat, TheKneeIsInForceFromTheNextPackageOnAndWhileThereIsMuchToDo) {
 TEST(DeadBeat, OneEventAtATimeIsNoOverload) {
   DeadBeat scheme({.knee = 1});  // L / 10, and an event takes 0.95 of that
   scheme.reset(Execution::anytime);
-  for (std::size_t k = 0; k < 60; ++k) {
+  for (std::size_t k = 0; k < 240; ++k) {
     const std::size_t size = 1 + k % 3;
     const auto cost_ns = 100'000 + 850'000 * static_cast<std::int64_t>(size);
     scheme.observe(

@@ -8,6 +8,8 @@
 #include <limits>
 #include <vector>
 
+#include "asap/runner/simulator.hpp"
+#include "asap/schemes/greedy.hpp"
 #include "core/random.hpp"
 #include "schemes/bounded_scheme.hpp"
 #include "schemes/deadline_reference.hpp"
@@ -142,32 +144,47 @@ double budget_ms(const Decision& decision) { return static_cast<double>(decision
 
 // ---- hold, fit, drop --------------------------------------------------------------------------
 
-TEST(Deadline, DoubtsAFixedCostThatRulesTheBoundOut) {
+TEST(Deadline, DoubtsAFixedCostThatNoOtherSizeTells) {
   for (const Execution execution : {Execution::whole, Execution::anytime}) {
     const auto end_late = [](Deadline& scheme, int packages) {
-      for (int k = 0; k < packages; ++k) observe(scheme, 1024, 1024, kAlphaNs + 1024 * kBetaNs);
+      for (int k = 0; k < packages; ++k) observe(scheme, 16, 16, kAlphaNs + 16 * kBetaNs);
     };
-    Deadline doubts = trained({.latency = 390us}, execution);
-    end_late(doubts, 1);
-    const Decision one = decide(doubts, evenly(100, 100 * kUs));
+    Deadline doubts({.latency = 100us});
+    doubts.reset(execution);
+    end_late(doubts, 16);
+    const Decision one = decide(doubts, evenly(100, 50 * kUs));
     EXPECT_EQ(one.raw, 1u);
     EXPECT_EQ(one.keep, 1.0);
-    observe(doubts, 1, 1, kAlphaNs);  // so it is: the next look is 32 packages away
-    for (int k = 0; k < 31; ++k) {
-      EXPECT_GT(decide(doubts, evenly(100, 100 * kUs)).raw, 1u) << k;
-      end_late(doubts, 1);
-    }
-    EXPECT_EQ(decide(doubts, evenly(100, 100 * kUs)).raw, 1u);
-    observe(doubts, 1, 1, kAlphaNs / 3);  // it is not: 16 packages
-    for (std::size_t k = 0; k < 14; ++k) train(doubts, 1, kAlphaNs);
-    end_late(doubts, 1);
-    EXPECT_EQ(decide(doubts, evenly(100, 100 * kUs)).raw, 1u);
-    Deadline believes = trained({.latency = 405us}, execution);
-    end_late(believes, 1);
-    EXPECT_GT(decide(believes, evenly(100, 100 * kUs)).raw, 1u);
-    Deadline in_time = trained({.latency = 390us}, execution);
-    EXPECT_GT(decide(in_time, evenly(100, 100 * kUs)).raw, 1u) << "no package was late";
+    observe(doubts, 1, 1, kAlphaNs);  // so it is, and the sizes tell it now
+    end_late(doubts, 40);
+    EXPECT_GT(decide(doubts, evenly(100, 50 * kUs)).raw, 1u);
+    Deadline knows = trained({.latency = 100us}, execution);
+    end_late(knows, 1);
+    EXPECT_GT(decide(knows, evenly(100, 50 * kUs)).raw, 1u);
+    Deadline in_time({.latency = 110us});
+    in_time.reset(execution);
+    end_late(in_time, 16);
+    EXPECT_GT(decide(in_time, evenly(100, 50 * kUs)).raw, 1u) << "no package was late";
   }
+}
+
+// Each probe that confirms the fixed cost doubles the distance to the next one.
+TEST(FixedCostProbe, IsRareWhereItConfirms) {
+  FixedCostProbe probe;
+  auto due_after = [&, package = std::uint64_t{20}](double work_ns) mutable {
+    std::uint64_t waited = 0;
+    for (; !probe.is_due(package, 100.0, 390.0); ++package, ++waited) {
+      probe.observe(package, 400.0, 390.0, 400.0, 100.0);
+    }
+    probe.observe(package++, 400.0, 390.0, work_ns, 100.0);
+    return waited;
+  };
+  probe.observe(19, 380.0, 390.0, 380.0, 100.0);
+  EXPECT_FALSE(probe.is_due(20, 100.0, 390.0)) << "no package was late";
+  EXPECT_EQ(due_after(100.0), 1u);
+  EXPECT_EQ(due_after(100.0), 31u);
+  EXPECT_EQ(due_after(30.0), 63u);
+  EXPECT_EQ(due_after(100.0), 15u);
 }
 
 TEST(Deadline, TakesAllThatFits) {
@@ -421,6 +438,36 @@ TEST(Deadline, AWholePackageIsPlannedWithCaution) {
   EXPECT_LT(decide(scheme, evenly(16'000, 3 * kMs)).raw, 16'000u);
   const Decision decision = decide(scheme, evenly(50'000, 5 * kMs));
   EXPECT_NEAR(size_of(decision), (budget_ms(decision) * 1e6 / 1.03 - 1e5) / 300, 2);
+}
+
+// ---- a machine that interrupts ------------------------------------------------------------------
+
+// A cost of 2.5 ms, whatever the size; the thread is away for 5 of every 15 ms. What is dropped can
+// hardly be finished by any scheduler: a package at once whenever the algorithm is free is the
+// most.
+double in_time_where_interrupted(Scheme& scheme, LinearCostConfig cost) {
+  for (std::int64_t k = 0; k < 200; ++k) {
+    cost.outages.push_back({(10 + 15 * k) * kMs, (15 + 15 * k) * kMs});
+  }
+  std::vector<Event> events;
+  for (std::int64_t k = 0; k < 1'000'000; ++k) events.push_back({0, 0, 1, 2 * k});
+  Simulator simulator(scheme, LinearCost(cost), {.latency = 10ms, .execution = Execution::whole});
+  SpanSource source(events);
+  simulator.run(source);
+  const RunStats stats = simulator.stats();
+  return static_cast<double>(stats.latency.within_bound()) /
+         static_cast<double>(stats.ledger.received);
+}
+
+TEST(Deadline, DropsNothingThatACallWithoutAPauseWouldFinish) {
+  for (const double alpha_us : {300.0, 1000.0, 2500.0}) {
+    const LinearCostConfig cost{.alpha_us = alpha_us, .beta_ns = 0, .noise = 0.1, .seed = 300};
+    Deadline scheme;
+    Greedy greedy;
+    EXPECT_GE(in_time_where_interrupted(scheme, cost),
+              0.97 * in_time_where_interrupted(greedy, cost))
+        << alpha_us;
+  }
 }
 
 // ---- the closed loop --------------------------------------------------------------------------
