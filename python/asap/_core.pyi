@@ -534,8 +534,13 @@ class ClusterTracker(_Algorithm):
         width: int,
         height: int,
         *,
-        engine: str = "fast",
-        **kwargs: Any,
+        slots: int = 128,
+        support: str = "reject",
+        support_window_ms: float = 5.0,
+        birth_radius_px: float = 18.0,
+        max_radius_px: float = 66.0,
+        confirm_events: float = 14.0,
+        coast_ms: float = 250.0,
     ) -> None: ...
     @overload
     def process(self, events: _Events, labels: Literal[True] = True) -> NDArray[np.int32]: ...
@@ -554,11 +559,33 @@ class ClusterTracker(_Algorithm):
     def advance_to(self, t_us: int) -> None: ...
     def set_gamma(self, gamma: float, filter_upstream: bool = False) -> None: ...
     @property
-    def engine(self) -> str: ...
-    @property
     def unsupported(self) -> int: ...
     @property
     def refused(self) -> int: ...
+
+class PublishedClusterTracker(_Algorithm):
+    def __init__(
+        self,
+        width: int,
+        height: int,
+        *,
+        window: int = 800,
+        radius: float = 20.0,
+        probes: int = 1,
+        weight: float = 0.9,
+        min_size: int = 15,
+        seed: int = 0,
+    ) -> None: ...
+    @overload
+    def process(self, events: _Events, labels: Literal[True] = True) -> NDArray[np.int32]: ...
+    @overload
+    def process(self, events: _Events, labels: Literal[False]) -> None: ...
+    @overload
+    def process(self, events: _Events, labels: bool) -> NDArray[np.int32] | None: ...
+    @property
+    def clusters(self) -> NDArray[np.void]: ...
+    def clusters_at(self, t_us: int) -> NDArray[np.void]: ...
+    def outline(self, id: int) -> np.void: ...
 
 def outline_of(x: float, y: float, cxx: float, cxy: float, cyy: float) -> np.void: ...
 

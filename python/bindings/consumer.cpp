@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "asap/algorithms/cluster_tracker.hpp"
 #include "asap/algorithms/corner_detector.hpp"
 #include "asap/algorithms/event_image.hpp"
 #include "asap/algorithms/event_surface.hpp"
@@ -12,7 +13,7 @@
 #include "asap/algorithms/motion_segmenter.hpp"
 #include "asap/algorithms/noise_filters.hpp"
 #include "asap/algorithms/plane_flow.hpp"
-#include "cluster_trackers.hpp"
+#include "asap/algorithms/published_cluster_tracker.hpp"
 #include "exact_type.hpp"
 #include "gil.hpp"
 #include "held.hpp"
@@ -80,7 +81,7 @@ Consumer foreign_native(const py::object& algorithm) {
 // Empty: it has no native loop.
 Consumer native_consumer_of(const py::object& algorithm) {
   if (Consumer consumer =
-          first_native<EitherClusterTracker, EFast, ArcStar, EHarris, FAHarris,
+          first_native<ClusterTracker, PublishedClusterTracker, EFast, ArcStar, EHarris, FAHarris,
                        ThresholdOrdinalSurface, SpeedInvariantTimeSurface, PlaneFlow, EventImage,
                        FeatureTracker, MotionSegmenter>(algorithm)) {
     return consumer;

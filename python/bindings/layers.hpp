@@ -16,7 +16,7 @@ void bind_formats(pybind11::module_& m);
 void bind_columns(pybind11::module_& m);
 void bind_decoders(pybind11::module_& m);
 void bind_synthetic(pybind11::module_& m);
-void bind_algorithms(pybind11::module_& m);
+void bind_cluster_trackers(pybind11::module_& m);
 void bind_corners(pybind11::module_& m);
 void bind_hot_pixels(pybind11::module_& m);
 void bind_surfaces(pybind11::module_& m);

@@ -40,7 +40,7 @@ PYBIND11_MODULE(_core, m) {
   asap::python::bind_columns(m);
   asap::python::bind_decoders(m);
   asap::python::bind_synthetic(m);
-  asap::python::bind_algorithms(m);
+  asap::python::bind_cluster_trackers(m);
   asap::python::bind_corners(m);
   asap::python::bind_hot_pixels(m);
   asap::python::bind_surfaces(m);

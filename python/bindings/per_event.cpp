@@ -19,6 +19,16 @@ events : ndarray of shape (n,) in EVENT_DTYPE)"},
 ------
 TypeError
     `events` is not a contiguous array in EVENT_DTYPE; convert with asap.as_events.)"},
+      {"$outline", R"(Returns
+-------
+numpy.void
+    A row with the float64 fields x, y (px, centre), major, minor (px, half-axes) and angle (rad, of the
+    major axis, from x to the right towards y downwards, -pi/2 to pi/2).
+
+Raises
+------
+KeyError
+    There is no such id now.)"},
       {"$not_gamma", R"(Raises
 ------
 ValueError

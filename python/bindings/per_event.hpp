@@ -130,12 +130,14 @@ void bind_configuration(Class<T>& type, const Keywords<Config>& keywords) {
       told(keywords, Config{}), keywords.by_position);
 }
 
-template <class Algorithm>
+template <class Algorithm, class... Extra>
 void bind_rest(Class<Algorithm>& type, const char* name,
-               const Keywords<typename Algorithm::Config>& keywords, const char* gamma_doc) {
+               const Keywords<typename Algorithm::Config>& keywords, const char* gamma_doc,
+               const Extra&... extra) {
   bind_configuration(type, keywords);
   bind_reset(type, "Back to the state after construction.");
-  type.def("set_gamma", &Algorithm::set_gamma, py::arg("gamma"), documented(gamma_doc).c_str())
+  type.def("set_gamma", &Algorithm::set_gamma, py::arg("gamma"), extra...,
+           documented(gamma_doc).c_str())
       .def_property_readonly(
           "width", [](const Algorithm& self) { return self.config().width; }, "px")
       .def_property_readonly(

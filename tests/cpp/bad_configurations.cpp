@@ -148,10 +148,9 @@ void published_field(const char* field, const asap::PublishedClusterTrackerConfi
 }
 
 void published_trackers() {
-  const auto& [width, height, window, radius, probes, weight, min_size, seed, motion] =
+  const auto& [width, height, window, radius, probes, weight, min_size, seed] =
       asap::PublishedClusterTrackerConfig{};
-  static_cast<void>(
-      std::tie(width, height, window, radius, probes, weight, min_size, seed, motion));
+  static_cast<void>(std::tie(width, height, window, radius, probes, weight, min_size, seed));
   published_field("width", {.width = 0, .height = 260});
   published_field("height", {.width = 346, .height = -1});
   published_field("window", {.width = 346, .height = 260, .window = 0});
@@ -159,9 +158,6 @@ void published_trackers() {
   published_field("probes", {.width = 346, .height = 260, .probes = -1});
   published_field("weight", {.width = 346, .height = 260, .weight = 2});
   published_field("min_size", {.width = 346, .height = 260, .min_size = -1});
-  published_field(
-      "motion",
-      {.width = 346, .height = 260, .motion = static_cast<asap::PublishedClusterMotion>(2)});
 }
 
 // The good ones are made, and work.

@@ -211,5 +211,5 @@ PUBLISHED_RULE = {
 @pytest.mark.parametrize("name", PUBLISHED_RULE)
 def test_labelled_recordings_score_as_their_authors_measured(name: str) -> None:
     scene = labelled(recording("labelled") / name)
-    found = score(asap.ClusterTracker(scene.width, scene.height, engine="compat"), scene)
+    found = score(asap.PublishedClusterTracker(scene.width, scene.height), scene)
     assert (found["hit"], found["precision"]) == pytest.approx(PUBLISHED_RULE[name], abs=0.0051)

@@ -118,7 +118,7 @@ def test_delivered_at_once_is_the_score_and_both_are_one():
     scene = scenes.timing(5, 200, 150, 150.0, seed=3, duration_s=0.15)
 
     def make():
-        return _core.ClusterTracker(200, 150, engine="compat", window=2000, probes=0, weight=0.05)
+        return _core.PublishedClusterTracker(200, 150, window=2000, probes=0, weight=0.05)
 
     used = tracker_accuracy(make, scene, whole(scene))
     assert used.delivered == used.in_use == score(make(), scene)["mota"] > 0.1
@@ -198,17 +198,17 @@ def test_recorder_has_the_packages_of_the_run_with_their_times():
 # ---- rungs ----------------------------------------------------------------------------------
 
 
-def test_naive_clusterer_is_the_rule_of_compat():
+def test_naive_clusterer_is_the_published_rule():
     scene = scenes.timing(5, 200, 150, 300.0, seed=1, duration_s=0.03)
     events = scene.events[np.unique(scene.events["t"], return_index=True)[1]]
     naive = NaiveClusterer(window=300)
-    compat = _core.ClusterTracker(
-        200, 150, engine="compat", window=300, probes=0, weight=0.05, min_size=15
+    published = _core.PublishedClusterTracker(
+        200, 150, window=300, probes=0, weight=0.05, min_size=15
     )
     for begin in range(0, events.size, 97):
         naive.process(events[begin : begin + 97])
-        compat.process(events[begin : begin + 97])
-        mine, its = (np.sort(one.clusters[["x", "y"]], order="x") for one in (naive, compat))
+        published.process(events[begin : begin + 97])
+        mine, its = (np.sort(one.clusters[["x", "y"]], order="x") for one in (naive, published))
         assert mine.size == its.size
         for axis in "xy":
             np.testing.assert_allclose(mine[axis], its[axis], atol=1e-6)

@@ -71,13 +71,14 @@ def test_accuracy_is_measured_tabled_and_drawn(monkeypatch, tmp_path):
 
 
 def test_the_rivals_are_those_that_their_labels_name():
-    assert RIVALS[OURS].before is None and RIVALS[OURS].make(64, 48).engine == "fast"
+    assert RIVALS[OURS].before is None and RIVALS[OURS].make is _core.ClusterTracker
     for label, rung in RIVALS.items():
         assert rung.before is (BAF if label.startswith("BAF + ") else None)
     assert isinstance(RIVALS["jAER-type core"].make(64, 48), _native.JaerClusterTracker)
     for label, window, probes in (("BAF + compat steady", 2000, 0), ("compat", 800, 1)):
-        found = RIVALS[label].make(64, 48).parameters
-        assert (found["engine"], found["window"], found["probes"]) == ("compat", window, probes)
+        found = RIVALS[label].make(64, 48)
+        assert type(found) is _core.PublishedClusterTracker
+        assert (found.parameters["window"], found.parameters["probes"]) == (window, probes)
 
 
 def test_the_filter_stands_in_front_when_scored_and_when_timed():

@@ -24,10 +24,7 @@ EVENTS = golden_stream()[:60_000]
 Make = Callable[..., Any]  # of an algorithm, with every parameter at another value than its default
 MADE: dict[str, tuple[Make, dict[str, Any]]] = {
     "clusters": (asap.ClusterTracker, {"confirm_events": 9.0, "support": "off", "slots": 64}),
-    "clusters_compat": (
-        partial(asap.ClusterTracker, engine="compat"),
-        {"window": 300, "seed": 2**63, "motion": "kalman"},
-    ),
+    "published_clusters": (asap.PublishedClusterTracker, {"window": 300, "seed": 2**63}),
     "features": (
         asap.FeatureTracker,
         {"detector": "e_fast", "window": 50, "radius": 4, "min_neighbours": 0, "window_us": 9000},
@@ -148,9 +145,7 @@ NAN = float("nan")
 BAD: list[tuple[Make, dict[str, Any]]] = [
     (asap.ClusterTracker, {"slots": 0}),
     (asap.ClusterTracker, {"support": "of"}),
-    (asap.ClusterTracker, {"engine": "slow"}),
-    (partial(asap.ClusterTracker, engine="compat"), {"window": 0}),
-    (partial(asap.ClusterTracker, engine="compat"), {"motion": "none"}),
+    (asap.PublishedClusterTracker, {"window": 0}),
     (asap.FeatureTracker, {"detector": "harris"}),
     (asap.FeatureTracker, {"window": 0}),
     (asap.FeatureTracker, {"radius": -1}),

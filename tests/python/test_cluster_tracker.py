@@ -1,4 +1,4 @@
-"""asap.ClusterTracker, engine "fast": the binding. The engine is tested in tests/cpp/algorithms."""
+"""asap.ClusterTracker: the binding. The tracker is tested in tests/cpp/algorithms."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from asap import EVENT_DTYPE, ClusterTracker
+from asap import EVENT_DTYPE, ClusterTracker, PublishedClusterTracker
 
 WIDTH, HEIGHT = 346, 260
 FIELDS = ["id", "x", "y", "vx", "vy", "cxx", "cxy", "cyy", "size", "t_last", "pxx", "pxy", "pyy"]
@@ -77,18 +77,14 @@ def test_an_id_that_is_gone_is_a_key_error() -> None:
         assert raised.value.args == (id,)
 
 
-def test_the_published_engine_has_clusters_alone() -> None:
-    tracker = ClusterTracker(WIDTH, HEIGHT, engine="compat")
-    assert not hasattr(tracker, "objects")
-    with pytest.raises(AttributeError, match="engine = compat"):
-        tracker.members(0)
+Kind = type[ClusterTracker] | type[PublishedClusterTracker]
 
 
-@pytest.mark.parametrize("engine", ["fast", "compat"])
-def test_an_outline_is_the_ellipse_of_the_covariance(engine: str) -> None:
-    tracker = ClusterTracker(WIDTH, HEIGHT, engine=engine)
+@pytest.mark.parametrize("kind", [ClusterTracker, PublishedClusterTracker])
+def test_an_outline_is_the_ellipse_of_the_covariance(kind: Kind) -> None:
+    tracker = kind(WIDTH, HEIGHT)
     tracker.process(disk(0, 0.5), labels=False)
-    ids = tracker.objects["id"] if engine == "fast" else tracker.clusters["id"]
+    ids = getattr(tracker, "objects", tracker.clusters)["id"]
     for cluster, id in zip(tracker.clusters, ids, strict=True):
         outline = tracker.outline(id)
         assert outline.dtype.names == ("x", "y", "major", "minor", "angle")
@@ -106,15 +102,15 @@ def test_an_outline_is_the_ellipse_of_the_covariance(engine: str) -> None:
 
 @settings(max_examples=30)
 @given(
-    engine=st.sampled_from(["fast", "compat"]),
+    kind=st.sampled_from([ClusterTracker, PublishedClusterTracker]),
     kept=st.sampled_from([0.05, 0.2, 1.0]),
     seed=st.integers(0, 2**32 - 1),
 )
-def test_asking_changes_nothing(engine: str, kept: float, seed: int) -> None:
+def test_asking_changes_nothing(kind: Kind, kept: float, seed: int) -> None:
     random = np.random.default_rng(seed)
     events = np.concatenate([disk(0, 0.2, seed=1), disk(0.25, 0.4, vx=120.0, seed=2)])
     events = events[random.random(events.size) < kept]
-    silent, asked = (ClusterTracker(WIDTH, HEIGHT, engine=engine) for _ in range(2))
+    silent, asked = (kind(WIDTH, HEIGHT) for _ in range(2))
     cuts = np.sort(random.integers(0, events.size, 40))
     for part in np.split(events, cuts):
         labels = silent.process(part)
@@ -127,7 +123,8 @@ def test_asking_changes_nothing(engine: str, kept: float, seed: int) -> None:
             gamma = float(random.random())
             silent.set_gamma(gamma)
             asked.set_gamma(gamma)
-    assert len(silent.clusters_at(10**9)) == (0 if engine == "fast" else len(silent.clusters))
+    starved = kind is ClusterTracker  # the published rule forgets by events alone
+    assert len(silent.clusters_at(10**9)) == (0 if starved else len(silent.clusters))
 
 
 def test_counters() -> None:

@@ -126,7 +126,7 @@ def test_threads_take_turns_at_one_object() -> None:
         events = np.zeros(2000, asap.EVENT_DTYPE)
         events["x"], events["y"] = np.arange(2000) % 60, np.arange(2000) % 40
         events["t"] = np.arange(2000) * 10
-        tracker = asap.ClusterTracker(64, 48, engine="compat")
+        tracker = asap.PublishedClusterTracker(64, 48)
         gamma = asap.GammaFilter()
 
         def work():

@@ -45,7 +45,6 @@ DOORS: list[tuple[Callable[..., Any], str, tuple[Any, ...]]] = [
     (partial(asap.LinearCost, 1, 2), "drift", (3, "x", [1.0, "x"])),
     (partial(asap.LinearCost, 1, 2), "outages_ms", (3, [(1,)])),
     (partial(asap.EFast, height=9), "width", (None, [9], 1.5, 0, 10**12, 10**5000)),
-    (partial(asap.ClusterTracker, 9, 9), "engine", NO_NAMES),
     (partial(asap.ClusterTracker, 9, 9), "support", NO_NAMES),
     (partial(asap.ClusterTracker, 9, 9), "slots", (None, "x", 1.5, 10**12)),
     (partial(asap.PlaneFlow, 9, 9), "refit", ("x", np.zeros(2))),

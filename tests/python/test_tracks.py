@@ -87,7 +87,7 @@ def test_the_command_writes_tracks_with_parameters_and_a_filter(recording, tmp_p
     out, page = tmp_path / "tracks.csv", tmp_path / "run.html"
     command = (
         f"run {recording} --cost 10us+50ns --tracks {out} --every 10ms "
-        "--algorithm clusters:engine=compat,window=500 --before background:window_us=2000"
+        "--algorithm published_clusters:window=500 --before background:window_us=2000"
     )
     pytest.importorskip("matplotlib")
     assert cli.main([*command.split(), "--report", str(page)]) == 0

@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <cstddef>
-#include <limits>
 
 #include "algorithms/window_clusterer.hpp"
 #include "asap/algorithms/cluster_tracker.hpp"
@@ -10,8 +9,6 @@
 
 namespace asap {
 namespace {
-
-constexpr std::int64_t kTheLatest = std::numeric_limits<std::int64_t>::min();
 
 const PublishedClusterTrackerConfig& checked(const PublishedClusterTrackerConfig& config) {
   constexpr int kMaxSide = 65536;    // pixel coordinates are 16 bits
@@ -26,7 +23,6 @@ const PublishedClusterTrackerConfig& checked(const PublishedClusterTrackerConfig
           "must be finite and at least 0 px");
   require(config.probes >= 0, "probes", config.probes, "must be at least 0");
   require(0 <= config.weight && config.weight <= 1, "weight", config.weight, "must be in [0, 1]");
-  require_known(config.motion, PublishedClusterMotion::kKalman, "motion");
   require(config.min_size >= 0, "min_size", config.min_size, "must be at least 0 events");
   return config;
 }
@@ -47,9 +43,7 @@ class PublishedClusterTracker::Impl {
     return clusterer_[clusterer_.update(event)].id;
   }
 
-  void read(std::int64_t t_us, std::vector<Cluster>& clusters) const {
-    clusterer_.read(clusters, t_us);
-  }
+  void read(std::vector<Cluster>& clusters) const { clusterer_.read(clusters); }
 
   void reset() noexcept {
     clusterer_.clear();
@@ -84,21 +78,17 @@ void PublishedClusterTracker::process(EventSpan events, std::span<std::int32_t> 
   for (std::size_t i = 0; i < events.size(); ++i) labels[i] = impl.process(events[i]);
 }
 
-std::vector<Cluster> PublishedClusterTracker::clusters() const { return clusters_at(kTheLatest); }
+std::vector<Cluster> PublishedClusterTracker::clusters() const {
+  std::vector<Cluster> found;
+  clusters(found);
+  return found;
+}
 
 void PublishedClusterTracker::clusters(std::vector<Cluster>& clusters) const {
-  clusters_at(kTheLatest, clusters);
+  impl_->read(clusters);
 }
 
-std::vector<Cluster> PublishedClusterTracker::clusters_at(std::int64_t t_us) const {
-  std::vector<Cluster> clusters;
-  clusters_at(t_us, clusters);
-  return clusters;
-}
-
-void PublishedClusterTracker::clusters_at(std::int64_t t_us, std::vector<Cluster>& clusters) const {
-  impl_->read(t_us, clusters);
-}
+std::vector<Cluster> PublishedClusterTracker::clusters_at(std::int64_t) const { return clusters(); }
 
 std::optional<ClusterOutline> PublishedClusterTracker::outline(std::int64_t id) const {
   return outline_of(id, clusters());

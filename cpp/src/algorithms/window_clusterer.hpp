@@ -10,13 +10,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
-#include <limits>
 #include <utility>
 #include <vector>
 
 #include "algorithms/cell_grid.hpp"
 #include "algorithms/centre_grid.hpp"
-#include "algorithms/cluster_motion.hpp"
 #include "algorithms/event_window.hpp"
 #include "algorithms/probe_index.hpp"
 #include "algorithms/window_moments.hpp"
@@ -57,8 +55,7 @@ class WindowClusterer {
         window_(static_cast<std::size_t>(config.window)),
         centres_(grid_.size(), window_.capacity()),
         index_(probes_ > 0 ? grid_.size() : 0, probes_ > 0 ? window_.capacity() : 0),
-        states_(window_.capacity()),
-        motions_(config.motion == PublishedClusterMotion::kKalman ? window_.capacity() : 0) {
+        states_(window_.capacity()) {
     free_.reserve(states_.size());
     assigned_.reserve(states_.size());
     keyless_.reserve(states_.size());
@@ -74,12 +71,7 @@ class WindowClusterer {
     ++events_;
 
     State& state = states_[slot];
-    if (state.id == kNoId && size_of(state) >= min_size_) {
-      state.id = issue_id();
-      if (follows()) motions_[slot].begin(state.moments.centroid(), event.t);
-    }
-    if (follows() && state.id != kNoId)
-      motions_[slot].take(event.x, event.y, event.t, state.moments);
+    if (state.id == kNoId && size_of(state) >= min_size_) state.id = issue_id();
     if (probes_ > 0 && state.key == kSmall && size_of(state) > min_size_) enter_index(slot);
     return slot;
   }
@@ -91,15 +83,12 @@ class WindowClusterer {
   std::size_t live() const noexcept { return states_.size() - free_.size(); }
 
   // The clusters of at least min_size events, by id. Allocates only where `clusters` must grow.
-  // `t_us`: for which their positions are predicted if a filter follows them, not the past.
-  void read(std::vector<Cluster>& clusters,
-            std::int64_t t_us = std::numeric_limits<std::int64_t>::min()) const {
+  void read(std::vector<Cluster>& clusters) const {
     clusters.clear();
     for (std::size_t slot = 0; slot < used_; ++slot) {
       const State& state = states_[slot];
       if (size_of(state) == 0 || size_of(state) < min_size_) continue;
       clusters.push_back(report(state));
-      if (follows()) predict(clusters.back(), motions_[slot], std::max(t_us, window_.newest_t()));
     }
     std::sort(clusters.begin(), clusters.end(),
               [](const Cluster& a, const Cluster& b) { return a.id < b.id; });
@@ -129,8 +118,6 @@ class WindowClusterer {
   static constexpr int kHysteresis = 5;
   static constexpr ProbeIndex::Key kSmall = ProbeIndex::kNoKey;
   static constexpr ProbeIndex::Key kKeyless = kSmall - 1;  // big, but the index was full
-
-  bool follows() const noexcept { return !motions_.empty(); }
 
   static std::uint64_t size_of(const State& state) noexcept { return state.moments.count(); }
 
@@ -296,7 +283,6 @@ class WindowClusterer {
     });
     window_.join(to.newest, from.newest);
     to.created = states_[older].created;
-    if (follows() && to.id == kNoId && from.id != kNoId) motions_[kept] = motions_[gone];
     to.id = smaller_id(to.id, from.id);
     to.moments += from.moments;
     from.moments = {};
@@ -360,14 +346,6 @@ class WindowClusterer {
             .t_last = window_[state.newest].t};
   }
 
-  static void predict(Cluster& cluster, const ClusterMotion& motion, std::int64_t t_us) noexcept {
-    const Vector2 position = motion.position_at(t_us);
-    cluster.x = position.x;
-    cluster.y = position.y;
-    cluster.vx = motion.velocity().x;
-    cluster.vy = motion.velocity().y;
-  }
-
   double radius_;
   int reach_;  // px, the radius between two pixels
   std::uint64_t probes_;
@@ -380,7 +358,6 @@ class WindowClusterer {
   CentreGrid centres_;
   ProbeIndex index_;
   std::vector<State> states_;
-  std::vector<ClusterMotion> motions_;  // [slot], of those with an id; empty: not asked for
   std::vector<Slot> free_;
   std::vector<Slot> assigned_;  // clusters that take the event in hand
   std::vector<Slot> keyless_;   // big clusters that found the index full

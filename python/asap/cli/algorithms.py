@@ -21,6 +21,7 @@ from asap.cli.outcome import CHECK_FAILED, USAGE, Failure
 SCHEMES = {kind().name: kind for kind in _core.SCHEMES}
 ALGORITHMS = {
     "clusters": "ClusterTracker",
+    "published_clusters": "PublishedClusterTracker",
     "background": "BackgroundActivityFilter",
     "hot_pixels": "HotPixelMask",
     "e_fast": "EFast",

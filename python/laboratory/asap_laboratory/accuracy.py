@@ -9,6 +9,7 @@ from __future__ import annotations
 import importlib
 from collections.abc import Callable, Generator, Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
@@ -44,21 +45,15 @@ class Rung(NamedTuple):
         return self.make(scene.width, scene.height), before
 
 
-def _compat(**parameters: Any) -> Maker:
-    return lambda width, height: _core.ClusterTracker(width, height, engine="compat", **parameters)
-
-
-def _fast(width: int, height: int) -> Any:
-    return _core.ClusterTracker(width, height, engine="fast")
-
-
 # The constructor's defaults are the published launch file; "steady" is the preset for rigid scenes.
-_STEADY = _compat(window=2000, radius=20.0, probes=0, weight=0.05, min_size=15)
+_STEADY = partial(
+    _core.PublishedClusterTracker, window=2000, radius=20.0, probes=0, weight=0.05, min_size=15
+)
 
 RUNGS = {
-    "fast": Rung(_fast),
-    "BAF + fast": Rung(_fast, _core.BackgroundActivityFilter),
-    "compat": Rung(_compat()),
+    "fast": Rung(_core.ClusterTracker),
+    "BAF + fast": Rung(_core.ClusterTracker, _core.BackgroundActivityFilter),
+    "compat": Rung(_core.PublishedClusterTracker),
     "compat steady": Rung(_STEADY),
     "BAF + compat steady": Rung(_STEADY, _core.BackgroundActivityFilter),
     "EFast": Rung(_core.EFast, corners=True),

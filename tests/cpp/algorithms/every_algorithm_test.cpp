@@ -29,19 +29,11 @@ constexpr std::size_t kEvents = 20'000;
 constexpr int kWidth = 40;
 constexpr int kHeight = 30;
 
-class FilteredClusterTracker : public PublishedClusterTracker {
- public:
-  using PublishedClusterTracker::PublishedClusterTracker;
-};
-
 template <class Algorithm>
 Algorithm made(int width = kWidth, int height = kHeight) {
   typename Algorithm::Config config{.width = width, .height = height};
   if constexpr (std::is_same_v<Algorithm, EventImage>) config.count = 700;
   if constexpr (std::is_same_v<Algorithm, HotPixelMask>) config.learn_events = 700;
-  if constexpr (std::is_same_v<Algorithm, FilteredClusterTracker>) {
-    config.motion = PublishedClusterMotion::kKalman;
-  }
   return Algorithm(config);
 }
 
@@ -81,7 +73,7 @@ class Seen {
   void process(PublishedClusterTracker& tracker, EventSpan events) {
     tracker.process(events, std::span(ids_).first(events.size()));
     for (std::size_t i = 0; i < events.size(); ++i) numbers.push_back(ids_[i]);
-    tracker.clusters_at(std::numeric_limits<std::int64_t>::max(), clusters_);
+    tracker.clusters(clusters_);
     position = clusters_.empty() ? position : std::pair{clusters_[0].x, clusters_[0].vx};
   }
 
@@ -121,10 +113,9 @@ class EveryAlgorithm : public testing::Test {
   Algorithm other_ = made<Algorithm>();
 };
 
-using Algorithms =
-    testing::Types<EFast, ArcStar, EHarris, FAHarris, BackgroundActivityFilter, HotPixelMask,
-                   EventImage, ThresholdOrdinalSurface, SpeedInvariantTimeSurface, PlaneFlow,
-                   PublishedClusterTracker, FilteredClusterTracker>;
+using Algorithms = testing::Types<EFast, ArcStar, EHarris, FAHarris, BackgroundActivityFilter,
+                                  HotPixelMask, EventImage, ThresholdOrdinalSurface,
+                                  SpeedInvariantTimeSurface, PlaneFlow, PublishedClusterTracker>;
 TYPED_TEST_SUITE(EveryAlgorithm, Algorithms);
 
 TYPED_TEST(EveryAlgorithm, TheStreamMayBeCutAnywhereAndResetIsANewOne) {

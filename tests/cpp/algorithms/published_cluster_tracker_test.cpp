@@ -16,7 +16,6 @@ namespace {
 
 using asap::Cluster;
 using asap::Event;
-using asap::PublishedClusterMotion;
 using asap::PublishedClusterTracker;
 
 std::vector<std::int32_t> labels_of(PublishedClusterTracker& tracker,
@@ -134,97 +133,11 @@ TEST(PublishedClusterTracker, MeasuresTheVelocityOverAWindowOfMinutes) {
   }
 }
 
-TEST(PublishedClusterTracker, MotionDecidesPositionAndVelocityAlone) {
-  const auto events = asap::test::make_scene({.noise_hz = 5}, 30'000);
-  PublishedClusterTracker published{{.width = 346, .height = 260}};
-  PublishedClusterTracker filtered{
-      {.width = 346, .height = 260, .motion = PublishedClusterMotion::kKalman}};
-  EXPECT_EQ(labels_of(filtered, events), labels_of(published, events));
-  const auto a = published.clusters();
-  const auto b = filtered.clusters();
-  ASSERT_EQ(a.size(), b.size());
-  int others = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    EXPECT_EQ(a[i].id, b[i].id);
-    EXPECT_EQ(a[i].size, b[i].size);
-    EXPECT_EQ(a[i].t_last, b[i].t_last);
-    EXPECT_EQ(a[i].cxy, b[i].cxy);
-    others += a[i].x != b[i].x && a[i].vx != b[i].vx;
-  }
-  EXPECT_GT(others, 5);
-}
-
-TEST(PublishedClusterTracker, TheFilterMeasuresPositionAndVelocity) {
-  for (const std::int64_t start : {std::int64_t{0}, std::int64_t{1'600'000'000'000'000}}) {
-    PublishedClusterTracker tracker{
-        {.width = 346, .height = 260, .motion = PublishedClusterMotion::kKalman}};
-    tracker.process(moving_blob(start, 250, -150, 20, 50'000));  // 1 s; the window holds 16 ms
-    const auto clusters = tracker.clusters();
-    ASSERT_EQ(clusters.size(), 1U);
-    EXPECT_NEAR(clusters[0].vx, 250, 50);
-    EXPECT_NEAR(clusters[0].vy, -150, 50);
-    EXPECT_NEAR(clusters[0].x, 59.5 + 250, 0.7);  // pixels are rounded down
-    EXPECT_NEAR(clusters[0].y, 199.5 - 150, 0.7);
-  }
-}
-
-TEST(PublishedClusterTracker, LooksAheadWithTheFilterAndChangesNothing) {
-  PublishedClusterTracker tracker{
-      {.width = 346, .height = 260, .motion = PublishedClusterMotion::kKalman}};
-  const auto events = moving_blob(0, 250, -150, 20, 50'000);
-  tracker.process(events);
-  const auto now = tracker.clusters();
-  ASSERT_EQ(now.size(), 1U);
-  const auto x_at = [&](std::int64_t t_us) { return tracker.clusters_at(t_us)[0].x; };
-  const std::int64_t last = events.back().t;
-  EXPECT_EQ(x_at(last), now[0].x);
-  EXPECT_EQ(x_at(last - 10'000), now[0].x);
-  EXPECT_NEAR(x_at(last + 10'000), now[0].x + now[0].vx * 0.01, 1e-9);
-  EXPECT_NEAR(x_at(last + 10'000'000), now[0].x + now[0].vx * 0.1, 2);
-  EXPECT_EQ(x_at(last + 10'000'000), x_at(last + 20'000'000));
-  EXPECT_EQ(tracker.clusters()[0].x, now[0].x);
-  EXPECT_EQ(tracker.clusters_at(last + 10'000)[0].size, now[0].size);
-}
-
-TEST(PublishedClusterTracker, WithoutTheFilterNothingIsAhead) {
+TEST(PublishedClusterTracker, NothingIsAheadOfTheWindow) {
   PublishedClusterTracker tracker{{.width = 346, .height = 260}};
   const auto events = moving_blob(0, 250, -150, 500, 2000);
   tracker.process(events);
   EXPECT_EQ(tracker.clusters_at(events.back().t + 10'000)[0].x, tracker.clusters()[0].x);
-}
-
-// A cluster that never had min_size events absorbs one that had, and shrank: id and motion pass on.
-TEST(PublishedClusterTracker, TheMotionGoesWithTheId) {
-  PublishedClusterTracker tracker{{.width = 100,
-                                   .height = 20,
-                                   .window = 8,
-                                   .radius = 10,
-                                   .probes = 0,
-                                   .weight = 0.5,
-                                   .min_size = 4,
-                                   .motion = PublishedClusterMotion::kKalman}};
-  const auto at = [](std::uint16_t x) { return Event{.x = x, .y = 5, .p = 0, .t = 0}; };
-  EXPECT_EQ(labels_of(tracker, {at(30), at(30), at(30), at(30), at(80), at(80), at(80), at(50),
-                                at(50), at(50), at(40)}),
-            (std::vector<std::int32_t>{-1, -1, -1, 0, -1, -1, -1, -1, -1, -1, 0}));
-  ASSERT_EQ(tracker.clusters().size(), 1U);
-  EXPECT_EQ(tracker.clusters()[0].size, 5);
-  EXPECT_EQ(tracker.clusters()[0].x, 30);
-}
-
-// A stray event is older than the cluster that it becomes one with: the larger keeps its motion.
-TEST(PublishedClusterTracker, TheMotionOfTheLargerSurvivesAMerge) {
-  PublishedClusterTracker tracker{{.width = 100,
-                                   .height = 20,
-                                   .radius = 10,
-                                   .probes = 0,
-                                   .min_size = 3,
-                                   .motion = PublishedClusterMotion::kKalman}};
-  const auto at = [](std::uint16_t x) { return Event{.x = x, .y = 5, .p = 0, .t = 0}; };
-  EXPECT_EQ(labels_of(tracker, {at(50), at(30), at(30), at(30), at(30), at(40)}),
-            (std::vector<std::int32_t>{-1, -1, -1, 0, 0, 0}));
-  ASSERT_EQ(tracker.clusters().size(), 1U);
-  EXPECT_EQ(tracker.clusters()[0].x, 30);
 }
 
 }  // namespace

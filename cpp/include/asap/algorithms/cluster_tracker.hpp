@@ -24,8 +24,8 @@ namespace asap {
 
 // ---- clusters ----------------------------------------------------------------------------------
 
-// One object at the moment of the question. Plain data, the same for every engine; the Python array
-// of clusters has these fields in this order.
+// One object at the moment of the question. Plain data; the Python array of clusters has these
+// fields in this order.
 struct Cluster {
   std::int64_t id;      // never changes while the cluster lives
   double x;             // px, centroid
@@ -37,7 +37,7 @@ struct Cluster {
   double cyy;           // px^2
   std::int64_t size;    // live events
   std::int64_t t_last;  // us, stamp of its newest event
-  // px^2, covariance of the error of x and y; infinite: the engine does not know it.
+  // px^2, covariance of the error of x and y; infinite: the tracker does not know it.
   double pxx = std::numeric_limits<double>::infinity();
   double pxy = 0;
   double pyy = std::numeric_limits<double>::infinity();

@@ -3,7 +3,7 @@
 // One thread at a time. process() is O(1) per event, whatever the number of clusters, and allocates
 // nothing; all memory is taken in the constructor. The velocity is the regression of x and y on t
 // over the live events, exact arithmetic but a rough estimate where the window lasts only
-// milliseconds, or of a Kalman filter (Config::motion).
+// milliseconds.
 // Source: Rodriguez-Gomez et al., "Asynchronous Event-Based Clustering and Tracking for Intrusion
 // Monitoring in UAS", ICRA 2020. The defaults are the launch values of the authors' release.
 #pragma once
@@ -19,12 +19,6 @@
 
 namespace asap {
 
-// What position and velocity of a cluster are. Which event joins what does not depend on it.
-enum class PublishedClusterMotion {
-  kWindow,  // published: mean of the live events; their regression on time, rough within ms
-  kKalman,  // a filter over the events' means, at the latest time
-};
-
 struct PublishedClusterTrackerConfig {  // [the paper's symbol]
   int width;                            // px
   int height;                           // px
@@ -34,7 +28,6 @@ struct PublishedClusterTrackerConfig {  // [the paper's symbol]
   double weight = 0.9;     // [alpha] weight of the newest event in the centre
   int min_size = 15;       // [minN] events from which a cluster is reported, and probed beyond
   std::uint64_t seed = 0;  // seed of the probes
-  PublishedClusterMotion motion = PublishedClusterMotion::kWindow;
 };
 
 class PublishedClusterTracker {
@@ -61,10 +54,8 @@ class PublishedClusterTracker {
   // The same without allocation once `clusters` has the capacity.
   void clusters(std::vector<Cluster>& clusters) const;
 
-  // The same with positions predicted for t_us, by a filter that looks up to 0.1 s ahead; else
-  // `clusters`: events alone make the rule forget. A t_us of the past is the latest time.
+  // `clusters` for any t_us: events alone make the rule forget.
   std::vector<Cluster> clusters_at(std::int64_t t_us) const;
-  void clusters_at(std::int64_t t_us, std::vector<Cluster>& clusters) const;
 
   // The outline of the cluster with this id. Empty: `clusters` does not list it.
   std::optional<ClusterOutline> outline(std::int64_t id) const;

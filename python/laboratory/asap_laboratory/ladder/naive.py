@@ -1,7 +1,7 @@
 """NaiveClusterer: the published clustering rule as one writes it first, in a Python loop.
 
-The top of the ladder: the rule of `asap.ClusterTracker(engine="compat", probes=0)`, a few thousand
-times slower than a filter. For an experiment, no product.
+The top of the ladder: the rule of `asap.PublishedClusterTracker(probes=0)`, a few thousand times
+slower than a filter. For an experiment, no product.
 """
 
 from __future__ import annotations

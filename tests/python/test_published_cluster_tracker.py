@@ -1,8 +1,7 @@
-"""asap.ClusterTracker(engine="compat"): the binding. The rule is tested in tests/cpp/algorithms."""
+"""asap.PublishedClusterTracker: the binding. The rule is tested in tests/cpp/algorithms."""
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -11,12 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-import asap
-from asap import EVENT_DTYPE
+from asap import EVENT_DTYPE, PublishedClusterTracker
 from test_cluster_tracker import FIELDS
 
 WIDTH, HEIGHT = 346, 260
-ClusterTracker = partial(asap.ClusterTracker, engine="compat")
 
 
 def events_at(x: Any, y: Any, t: Any) -> np.ndarray:
@@ -39,7 +36,7 @@ def two_blobs(count: int = 6000, seed: int = 0, start_us: int = 0) -> np.ndarray
 
 
 def test_finds_two_blobs_with_their_motion() -> None:
-    tracker = ClusterTracker(WIDTH, HEIGHT, window=4000)
+    tracker = PublishedClusterTracker(WIDTH, HEIGHT, window=4000)
     tracker.process(two_blobs(start_us=1_600_000_000_000_000))
     moving, still = np.sort(tracker.clusters, order="x")
     # The window's 4000 events are the last 0.2 s of 0.3 s: their middle lies at 0.2 s.
@@ -54,7 +51,7 @@ def test_finds_two_blobs_with_their_motion() -> None:
 
 
 def test_clusters_are_a_structured_array_sorted_by_id() -> None:
-    tracker = ClusterTracker(WIDTH, HEIGHT)
+    tracker = PublishedClusterTracker(WIDTH, HEIGHT)
     empty = tracker.clusters
     assert empty.shape == (0,)
     tracker.process(two_blobs())
@@ -80,7 +77,7 @@ def test_clusters_are_a_structured_array_sorted_by_id() -> None:
 def test_any_events_and_parameters_keep_the_sums(
     columns: np.ndarray, window: int, radius: float, probes: int, weight: float, min_size: int
 ) -> None:
-    tracker = ClusterTracker(
+    tracker = PublishedClusterTracker(
         WIDTH,
         HEIGHT,
         window=window,
