@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import asap
+from asap import _core
 
 ROOT = Path(__file__).parents[1]
 HEADERS = ROOT / "cpp" / "include" / "asap"
@@ -49,8 +50,13 @@ documented: set[str] = set()
 
 
 def python(names: list[str]) -> str:
-    """Document these names of `asap`, or all that no page named before: `...`."""
-    chosen = sorted({*asap.__all__} - documented) if names == ["..."] else names
+    """Document these names of `asap`, its `algorithms` or `filters`, or the rest: `...`."""
+    filters = [kind.__name__ for kind in _core.FILTERS]
+    algorithms = [kind.__name__ for kind in _core.ALGORITHMS if kind not in _core.FILTERS]
+    lists = {"algorithms": algorithms, "filters": filters}
+    chosen = [one for name in names for one in lists.get(name, [name])]
+    if names == ["..."]:
+        chosen = sorted({*asap.__all__} - documented)
     documented.update(chosen)
     lines = []
     for name in chosen:

@@ -1,7 +1,7 @@
 """Native core of asap: the types that the extension exports. Docstrings are in the extension."""
 
 from collections.abc import Callable, Sequence
-from typing import Any, Literal, TypeAlias, overload
+from typing import Any, ClassVar, Literal, TypeAlias, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -514,6 +514,9 @@ class FlightOverChairsStream(EventStream):
 
 # algorithms
 
+ALGORITHMS: tuple[type[_Algorithm], ...]
+FILTERS: tuple[type[_Algorithm], ...]
+
 class _Algorithm(metaclass=_pybind11_type):  # what the algorithms below share
     def set_gamma(self, gamma: float) -> None: ...
     def reset(self) -> None: ...
@@ -521,8 +524,7 @@ class _Algorithm(metaclass=_pybind11_type):  # what the algorithms below share
     def width(self) -> int: ...
     @property
     def height(self) -> int: ...
-    @property
-    def name(self) -> str: ...
+    name: ClassVar[str]
     @property
     def parameters(self) -> dict[str, Any]: ...
     @property
@@ -690,8 +692,6 @@ class MotionSegmenter(_Algorithm):
     def process(self, events: _Events) -> None: ...
     @property
     def objects(self) -> NDArray[np.void]: ...
-    @property
-    def regions(self) -> NDArray[np.void]: ...
     def objects_at(self, t_us: int) -> NDArray[np.void]: ...
     @property
     def camera_motion(self) -> np.void | None: ...

@@ -1,16 +1,14 @@
 // The layer `algorithms`: ClusterTracker and PublishedClusterTracker.
 #include <cstdint>
-#include <optional>
 #include <utility>
 #include <vector>
 
 #include "arrays.hpp"
 #include "asap/algorithms/cluster_tracker.hpp"
 #include "asap/algorithms/published_cluster_tracker.hpp"
-#include "layers.hpp"
 #include "per_event.hpp"
 
-namespace asap::python {
+namespace asap::python::cluster_trackers {
 namespace {
 
 constexpr const char* kClusterTrackerDoc =
@@ -111,7 +109,7 @@ py::array members(const ClusterTracker& tracker, std::int64_t id) {
 template <class Tracker>
 void bind_clusters(Class<Tracker>& type, const char* clusters, const char* clusters_at,
                    const char* outline) {
-  bind_process(type, &process_labelled<Tracker>, R"(Takes the next events of the stream.
+  bind_labelled(type, R"(Takes the next events of the stream.
 
 $events
 labels : bool
@@ -124,8 +122,7 @@ ndarray of int32, shape (n,), or None
     frame.
 
 $not_events
-)",
-               py::arg("labels") = true);
+)");
   type.def_property_readonly(
           "clusters", [](const Tracker& self) { return moved_to_array(self.clusters()); }, clusters)
       .def(
@@ -235,7 +232,10 @@ count as of t_us. Before the first event and for the past nothing happens.
                            keyword("max_radius_px", &Config::max_radius_px),
                            keyword("confirm_events", &Config::confirm_events),
                            keyword("coast_ms", &Config::coast)}),
-            R"(Tells the fraction of the events that reaches the tracker.
+            nullptr);
+  type.def("set_gamma", &ClusterTracker::set_gamma, py::arg("gamma"),
+           py::arg("filter_upstream") = false,
+           documented(R"(Tells the fraction of the events that reaches the tracker.
 
 All that counts events or looks for neighbours adapts to the mean over the latest events; for every
 package.
@@ -249,8 +249,8 @@ filter_upstream : bool
     below it none is in either case.
 
 $not_gamma
-)",
-            py::arg("filter_upstream") = false);
+)")
+               .c_str());
 }
 
 void bind_published_cluster_tracker(py::module_& m) {
@@ -291,9 +291,7 @@ $not_gamma
 )");
 }
 
-}  // namespace
-
-void bind_cluster_trackers(py::module_& m) {
+void bind(py::module_& m) {
   PYBIND11_NUMPY_DTYPE(Cluster, id, x, y, vx, vy, cxx, cxy, cyy, size, t_last, pxx, pxy, pyy);
   PYBIND11_NUMPY_DTYPE(ClusterOutline, x, y, major, minor, angle);
   PYBIND11_NUMPY_DTYPE(TrackedObject, id, x, y, vx, vy, left, top, width, height, size, t_last,
@@ -305,4 +303,7 @@ void bind_cluster_trackers(py::module_& m) {
   bind_published_cluster_tracker(m);
 }
 
-}  // namespace asap::python
+const AlgorithmBinding binding(&bind);
+
+}  // namespace
+}  // namespace asap::python::cluster_trackers

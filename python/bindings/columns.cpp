@@ -9,7 +9,7 @@
 #include "gil.hpp"
 #include "layers.hpp"
 
-namespace asap::python {
+namespace asap::python::columns {
 
 namespace {
 
@@ -76,10 +76,10 @@ py::object events_of_columns(const py::array& t, const py::array& x, const py::a
 
 }  // namespace
 
-void bind_columns(py::module_& m) {
+void bind(py::module_& m) {
   m.def("events_of_columns", &events_of_columns, py::arg("t").noconvert(), py::arg("x").noconvert(),
         py::arg("y").noconvert(), py::arg("p").none(true), py::kw_only(),
         py::arg("us_per_unit") = 1.0, py::arg("normalise") = true, py::arg("out") = py::none());
 }
 
-}  // namespace asap::python
+}  // namespace asap::python::columns

@@ -5,18 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "asap/algorithms/cluster_tracker.hpp"
-#include "asap/algorithms/corner_detector.hpp"
-#include "asap/algorithms/event_image.hpp"
-#include "asap/algorithms/event_surface.hpp"
-#include "asap/algorithms/feature_tracker.hpp"
-#include "asap/algorithms/motion_segmenter.hpp"
-#include "asap/algorithms/noise_filters.hpp"
-#include "asap/algorithms/plane_flow.hpp"
-#include "asap/algorithms/published_cluster_tracker.hpp"
-#include "exact_type.hpp"
 #include "gil.hpp"
-#include "held.hpp"
+#include "native_algorithm.hpp"
 #include "native_consumer.hpp"
 
 namespace asap::python {
@@ -29,41 +19,18 @@ struct PythonAlgorithm {
   PackageArrays arrays;
 };
 
-template <class Algorithm>
-Consumer native(const py::object& algorithm) {
-  return [ours = algorithm.cast<Held<Algorithm>>()](const Package& package) {
-    const std::lock_guard turn(ours.turns());
-    ours.has_worked() = true;
-    ours->set_gamma(package.gamma);
-    ours->process(package.events);
-  };
-}
-
-// What passes goes nowhere: the filter is there to be timed.
-template <class Filter>
-Consumer native_filter(const py::object& algorithm) {
-  return [ours = algorithm.cast<Held<Filter>>(),
+Consumer native(const NativeAlgorithm& calls, const py::object& algorithm) {
+  return [calls, inside = calls.open(algorithm),
           passed = std::vector<Event>()](const Package& package) mutable {
-    const std::lock_guard turn(ours.turns());
-    ours.has_worked() = true;
-    ours->set_gamma(package.gamma);
+    const std::lock_guard turn(inside->turns);
+    inside->has_worked = true;
+    void* const ours = inside->object.get();
+    calls.set_gamma(ours, package.gamma);
+    if (calls.pass == nullptr) return calls.process(ours, package.events);
+    // What passes goes nowhere: the filter is there to be timed.
     if (passed.size() < package.events.size()) passed.resize(package.events.size());
-    ours->process(package.events, passed);
+    calls.pass(ours, package.events, passed);
   };
-}
-
-template <class... Algorithms>
-Consumer first_native(const py::object& algorithm) {
-  Consumer consumer;
-  ((is_exactly<Algorithms>(algorithm) && (consumer = native<Algorithms>(algorithm))) || ...);
-  return consumer;
-}
-
-template <class... Filters>
-Consumer first_native_filter(const py::object& algorithm) {
-  Consumer consumer;
-  ((is_exactly<Filters>(algorithm) && (consumer = native_filter<Filters>(algorithm))) || ...);
-  return consumer;
 }
 
 // Empty: it is no algorithm of another extension.
@@ -80,15 +47,7 @@ Consumer foreign_native(const py::object& algorithm) {
 
 // Empty: it has no native loop.
 Consumer native_consumer_of(const py::object& algorithm) {
-  if (Consumer consumer =
-          first_native<ClusterTracker, PublishedClusterTracker, EFast, ArcStar, EHarris, FAHarris,
-                       ThresholdOrdinalSurface, SpeedInvariantTimeSurface, PlaneFlow, EventImage,
-                       FeatureTracker, MotionSegmenter>(algorithm)) {
-    return consumer;
-  }
-  if (Consumer consumer = first_native_filter<BackgroundActivityFilter, HotPixelMask>(algorithm)) {
-    return consumer;
-  }
+  if (const NativeAlgorithm* calls = native_calls_of(algorithm)) return native(*calls, algorithm);
   return foreign_native(algorithm);
 }
 

@@ -1,15 +1,13 @@
 // The layer `algorithms`: BackgroundActivityFilter and the corner detectors.
 #include <cstdint>
-#include <utility>
-#include <vector>
+#include <initializer_list>
 
 #include "arrays.hpp"
 #include "asap/algorithms/corner_detector.hpp"
 #include "asap/algorithms/noise_filters.hpp"
-#include "layers.hpp"
 #include "per_event.hpp"
 
-namespace asap::python {
+namespace asap::python::corners {
 namespace {
 
 constexpr const char* kBackgroundActivityFilterDoc = R"(Drops events without support.
@@ -109,10 +107,10 @@ its release; equal stamps, undefined there, are ordered by arrival.
 
 template <class Detector>
 void bind_detector(py::module_& m, const char* title, const char* doc, const char* name,
-                   std::vector<Keyword<typename Detector::Config>> keywords = {}) {
+                   std::initializer_list<Keyword<typename Detector::Config>> keywords = {}) {
   Class<Detector> type(m, title, documented(doc).c_str());
-  bind_process(type, &process_each<bool, std::uint8_t, Detector>,
-               R"(Takes the next events of the stream.
+  bind_answering<bool, std::uint8_t>(type,
+                                     R"(Takes the next events of the stream.
 
 $events
 
@@ -123,7 +121,7 @@ ndarray of bool, shape (n,)
 
 $not_events
 )");
-  bind_rest(type, name, sized<typename Detector::Config>(std::move(keywords)),
+  bind_rest(type, name, sized<typename Detector::Config>(keywords),
             R"(Tells the fraction of the events that reaches the detector, 0 <= gamma <= 1.
 
 Checked, without effect: the published rule holds no rate that could be corrected.
@@ -137,7 +135,7 @@ void bind_filter_in_front(py::module_& m) {
   Class<BackgroundActivityFilter> type(m, "BackgroundActivityFilter",
                                        documented(kBackgroundActivityFilterDoc).c_str());
   bind_passing(type);
-  bind_rest(type, "background_activity", sized<Config>({keyword("window_us", &Config::window)}),
+  bind_rest(type, "background", sized<Config>({keyword("window_us", &Config::window)}),
             R"(Tells the fraction of the events that reaches the filter, 0 <= gamma <= 1.
 
 Neighbours become as rare, so the window grows to window_us / gamma, at most 500 s. Tell nothing, or 1,
@@ -147,9 +145,7 @@ $not_gamma
 )");
 }
 
-}  // namespace
-
-void bind_corners(py::module_& m) {
+void bind(py::module_& m) {
   bind_filter_in_front(m);
 
   bind_detector<EFast>(m, "EFast", kEFastDoc, "e_fast");
@@ -162,4 +158,7 @@ void bind_corners(py::module_& m) {
                            keyword("threshold", &FAHarrisConfig::threshold)});
 }
 
-}  // namespace asap::python
+const AlgorithmBinding binding(&bind);
+
+}  // namespace
+}  // namespace asap::python::corners

@@ -24,7 +24,7 @@
 #include "gil.hpp"
 #include "layers.hpp"
 
-namespace asap::python {
+namespace asap::python::decoders {
 
 namespace {
 
@@ -249,7 +249,7 @@ std::size_t decode_dvs_into(const py::buffer& bytes, bool cdr, const py::object&
 
 }  // namespace
 
-void bind_decoders(py::module_& m) {
+void bind(py::module_& m) {
   const auto offset = py::arg("first_offset") = 0;
   m.attr("TRIGGER_DTYPE") = trigger_dtype();
   bind_headers(m);
@@ -303,4 +303,4 @@ void bind_decoders(py::module_& m) {
         py::arg("first"), py::arg("out"));
 }
 
-}  // namespace asap::python
+}  // namespace asap::python::decoders

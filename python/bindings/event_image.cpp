@@ -8,10 +8,9 @@
 #include "arrays.hpp"
 #include "asap/algorithms/event_image.hpp"
 #include "gil.hpp"
-#include "layers.hpp"
 #include "per_event.hpp"
 
-namespace asap::python {
+namespace asap::python::event_image {
 namespace {
 
 constexpr const char* kImageDoc = R"(Images of the events, one per so many events or per period.
@@ -43,24 +42,24 @@ constexpr Choices<ImageChannel, 5> kChannels{{{"off", ImageChannel::off},
                                               {"time", ImageChannel::time}}};
 
 Keyword<EventImageConfig> channels() {
-  return {.name = "channels",
-          .set =
-              [](EventImageConfig& config, py::handle given) {
-                if (!py::isinstance<py::sequence>(given) || py::isinstance<py::str>(given)) {
-                  throw_wrong_kind("channels", given, "give a sequence of names");
-                }
-                config.channels.clear();
-                for (const py::handle name : given) {
-                  config.channels.push_back(chosen(kChannels, "channels", name));
-                }
-              },
-          .get = [](const EventImageConfig& config) -> py::object {
-            py::list names;
-            for (const ImageChannel channel : config.channels) {
-              names.append(name_in(kChannels, channel));
-            }
-            return py::tuple(names);
-          }};
+  return keyword<EventImageConfig>(
+      "channels",
+      [](EventImageConfig& config, py::handle given) {
+        if (!py::isinstance<py::sequence>(given) || py::isinstance<py::str>(given)) {
+          throw_wrong_kind("channels", given, "give a sequence of names");
+        }
+        config.channels.clear();
+        for (const py::handle name : given) {
+          config.channels.push_back(chosen(kChannels, "channels", name));
+        }
+      },
+      [](const EventImageConfig& config) {
+        py::list names;
+        for (const ImageChannel channel : config.channels) {
+          names.append(name_in(kChannels, channel));
+        }
+        return py::tuple(names);
+      });
 }
 
 template <class Value>
@@ -98,9 +97,7 @@ py::array last(const EventImage& image) {
   return reshaped(std::vector<float>(values.begin(), values.end()), shape);
 }
 
-}  // namespace
-
-void bind_event_image(py::module_& m) {
+void bind(py::module_& m) {
   using Config = EventImageConfig;
   Class<EventImage> type(m, "EventImage", documented(kImageDoc).c_str());
   bind_process(type, &images,
@@ -145,4 +142,7 @@ $not_gamma
 )");
 }
 
-}  // namespace asap::python
+const AlgorithmBinding binding(&bind);
+
+}  // namespace
+}  // namespace asap::python::event_image

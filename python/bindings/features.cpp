@@ -1,17 +1,13 @@
 // The layer `algorithms`: FeatureTracker.
-#include <pybind11/stl.h>
-
 #include "arrays.hpp"
 #include "asap/algorithms/feature_tracker.hpp"
-#include "layers.hpp"
 #include "per_event.hpp"
 
-namespace asap::python {
+namespace asap::python::features {
 namespace {
 
-using namespace py::literals;
-
-constexpr const char* kFeatureTrackerDoc = R"(Finds corners and follows them, event by event.
+constexpr const char* kFeatureTrackerDoc =
+    R"(Finds corners and follows them, event by event.
 
 A corner event is supported if more than `min_neighbours` of its eight neighbours are remembered: among
 the last `window` corner events, or younger than `window_us`. It then moves the oldest track within
@@ -51,14 +47,12 @@ constexpr Choices<CornerSource, 5> kDetectors{{{"arc_star", CornerSource::arc_st
                                                {"fa_harris", CornerSource::fa_harris},
                                                {"every_event", CornerSource::every_event}}};
 
-}  // namespace
-
-void bind_features(py::module_& m) {
+void bind(py::module_& m) {
   PYBIND11_NUMPY_DTYPE(FeatureTrack, id, x, y, vx, vy, size, t_first, t_last);
 
   using Config = FeatureConfig;
   Class<FeatureTracker> type(m, "FeatureTracker", documented(kFeatureTrackerDoc).c_str());
-  bind_process(type, &process_labelled<FeatureTracker>, R"(Takes the next events of the stream.
+  bind_labelled(type, R"(Takes the next events of the stream.
 
 $events
 labels : bool
@@ -71,8 +65,7 @@ ndarray of int32, shape (n,), or None
     the frame.
 
 $not_events
-)",
-               "labels"_a = true);
+)");
   type.def_property_readonly(
       "tracks", [](const FeatureTracker& tracker) { return moved_to_array(tracker.tracks()); },
       R"(Structured array, one row per track, first begun first.
@@ -100,4 +93,7 @@ $not_gamma
 )");
 }
 
-}  // namespace asap::python
+const AlgorithmBinding binding(&bind);
+
+}  // namespace
+}  // namespace asap::python::features

@@ -3,10 +3,10 @@
 
 #include "arrays.hpp"
 #include "gil.hpp"
+#include "keywords.hpp"
 #include "layers.hpp"
-#include "per_event.hpp"
 
-namespace asap::python {
+namespace asap::python::filter {
 namespace {
 
 constexpr const char* kGammaFilterDoc = R"(Keeps each event with probability gamma, reproducibly.
@@ -61,10 +61,10 @@ py::array_t<bool> mask(SeededFilter& filter, const py::array& events, double gam
 
 }  // namespace
 
-void bind_filter(py::module_& m) {
+void bind(py::module_& m) {
   Class<SeededFilter> type(m, "GammaFilter", kGammaFilterDoc);
-  bind_configuration(
-      type, Keywords<GammaFilterConfig>{.rows = {keyword("seed", &GammaFilterConfig::seed)}});
+  bind_configuration(type,
+                     Keywords<GammaFilterConfig>(0, {keyword("seed", &GammaFilterConfig::seed)}));
   type.def("apply", &apply, py::arg("events").noconvert(), py::arg("gamma"),
            R"(The kept events, a new array of shape (k,) in EVENT_DTYPE.
 
@@ -84,4 +84,4 @@ ValueError
       .def_property_readonly("position", &GammaFilter::position, "Events seen so far.");
 }
 
-}  // namespace asap::python
+}  // namespace asap::python::filter

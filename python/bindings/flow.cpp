@@ -1,10 +1,9 @@
 // The layer `algorithms`: PlaneFlow.
 #include "arrays.hpp"
 #include "asap/algorithms/plane_flow.hpp"
-#include "layers.hpp"
 #include "per_event.hpp"
 
-namespace asap::python {
+namespace asap::python::flow {
 namespace {
 
 constexpr const char* kFlowDoc = R"(Optical flow of each event, normal to its edge, by a plane fit.
@@ -34,12 +33,10 @@ Threads take turns. A stamp that goes back counts as the latest one. Source: Ben
 Ieng, Bartolozzi, "Event-Based Visual Flow", IEEE TNNLS 2014.
 )";
 
-}  // namespace
-
-void bind_flow(py::module_& m) {
+void bind(py::module_& m) {
   using Config = PlaneFlowConfig;
   Class<PlaneFlow> type(m, "PlaneFlow", documented(kFlowDoc).c_str());
-  bind_process(type, &process_each<float, Flow, PlaneFlow>, R"(Takes the next events of the stream.
+  bind_answering<float, Flow>(type, R"(Takes the next events of the stream.
 
 $events
 
@@ -52,7 +49,7 @@ ndarray of float32, shape (n, 2)
 $not_events
 )");
   bind_rest(
-      type, "plane_flow",
+      type, "flow",
       sized<Config>({keyword("window_us", &Config::window),
                      keyword("min_points", &Config::min_points), keyword("refit", &Config::refit)}),
       R"(Tells the fraction of the events that reaches the algorithm, 0 <= gamma <= 1.
@@ -63,4 +60,7 @@ $not_gamma
 )");
 }
 
-}  // namespace asap::python
+const AlgorithmBinding binding(&bind);
+
+}  // namespace
+}  // namespace asap::python::flow

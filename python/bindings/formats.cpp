@@ -16,7 +16,7 @@
 #include "gil.hpp"
 #include "layers.hpp"
 
-namespace asap::python {
+namespace asap::python::formats {
 
 namespace {
 
@@ -82,7 +82,7 @@ py::tuple encode_into(Encoder& encoder, const py::array& events, const py::buffe
 
 }  // namespace
 
-void bind_formats(py::module_& m) {
+void bind(py::module_& m) {
   py::class_<DecoderWithRoom>(m, "TextDecoder")
       .def(py::init([](const std::string& order, int time_exponent, bool clamp,
                        const py::object& first_offset) {
@@ -106,4 +106,4 @@ void bind_formats(py::module_& m) {
       .def("encode_into", &encode_into, py::arg("events"), py::arg("out"));
 }
 
-}  // namespace asap::python
+}  // namespace asap::python::formats

@@ -6,10 +6,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "asap/algorithms/noise_filters.hpp"
-#include "exact_type.hpp"
 #include "gil.hpp"
-#include "held.hpp"
+#include "native_algorithm.hpp"
 #include "package_arrays.hpp"
 
 namespace asap::python {
@@ -29,12 +27,11 @@ std::shared_ptr<PythonFilter> held(py::object filter, py::object process) {
           }};
 }
 
-template <class Filter>
-FrontFilter native_front(const py::object& object) {
-  return [filter = object.cast<Held<Filter>>()](EventSpan events, std::span<Event> out) {
-    const std::lock_guard turn(filter.turns());
-    filter.has_worked() = true;
-    return filter->process(events, out);
+FrontFilter native_front(const NativeAlgorithm& calls, const py::object& filter) {
+  return [pass = calls.pass, inside = calls.open(filter)](EventSpan events, std::span<Event> out) {
+    const std::lock_guard turn(inside->turns);
+    inside->has_worked = true;
+    return pass(inside->object.get(), events, out);
   };
 }
 
@@ -61,10 +58,8 @@ std::size_t pass(PythonFilter& python, EventSpan events, std::span<Event> out) {
 
 FrontFilter front_filter_of(const py::object& filter) {
   if (filter.is_none()) return {};
-  if (is_exactly<BackgroundActivityFilter>(filter)) {
-    return native_front<BackgroundActivityFilter>(filter);
-  }
-  if (is_exactly<HotPixelMask>(filter)) return native_front<HotPixelMask>(filter);
+  const NativeAlgorithm* calls = native_calls_of(filter);
+  if (calls != nullptr && calls->pass != nullptr) return native_front(*calls, filter);
   const bool has_process = py::hasattr(filter, "process");
   if (!has_process && !PyCallable_Check(filter.ptr())) {
     throw py::type_error("before: expected an object with process(events) or a callable, got " +

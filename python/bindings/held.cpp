@@ -53,6 +53,12 @@ CallersTurn::~CallersTurn() {
   if (turns_ != nullptr) turns_->unlock();
 }
 
+void def_property(const py::object& type, const char* name, const py::cpp_function& get,
+                  const char* doc) {
+  const py::handle property(reinterpret_cast<PyObject*>(&PyProperty_Type));
+  type.attr(name) = property(get, py::none(), py::none(), doc);
+}
+
 void close_classes(const py::module_& m) {
   const py::handle plain(reinterpret_cast<PyObject*>(&PyBaseObject_Type));
   for (const auto& [name, item] : py::cast<py::dict>(m.attr("__dict__"))) {

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <string>
 #include <thread>
 #include <type_traits>
 #include <utility>
@@ -45,31 +46,44 @@ class CallersTurn {
   Turns* turns_ = nullptr;
 };
 
-// A shared pointer to the object, its turns, and whether it has worked: whether its parameters no
-// longer tell all of it. A native thread locks turns() and touches no Python until it unlocks them.
+// An object of any class, its turns, and whether it has worked: whether its parameters no longer
+// tell all of it. A native thread locks `turns` and touches no Python until it unlocks them.
+struct Inside {
+  Inside(void* given, void (*destroy)(void*)) : object(given, destroy) {}
+
+  std::unique_ptr<void, void (*)(void*)> object;
+  Turns turns;
+  bool has_worked = false;
+};
+
+// A shared pointer to the inside of a T.
 template <class T>
 class Held {
  public:
   Held() = default;
-  explicit Held(T* object) : all_(std::make_shared<All>(object)) {}
+  explicit Held(T* object)
+      : inside_(
+            std::make_shared<Inside>(object, [](void* gone) { delete static_cast<T*>(gone); })) {}
 
-  T* get() const noexcept { return all_ == nullptr ? nullptr : all_->object.get(); }
-  T& operator*() const noexcept { return *all_->object; }
-  T* operator->() const noexcept { return all_->object.get(); }
-  Turns& turns() const noexcept { return all_->turns; }
-  bool& has_worked() const noexcept { return all_->has_worked; }
+  T* get() const noexcept {
+    return inside_ == nullptr ? nullptr : static_cast<T*>(inside_->object.get());
+  }
+  T& operator*() const noexcept { return *get(); }
+  T* operator->() const noexcept { return get(); }
+  Turns& turns() const noexcept { return inside_->turns; }
+  bool& has_worked() const noexcept { return inside_->has_worked; }
+  const std::shared_ptr<Inside>& inside() const noexcept { return inside_; }
 
  private:
-  struct All {
-    explicit All(T* given) : object(given) {}
-
-    std::unique_ptr<T> object;
-    Turns turns;
-    bool has_worked = false;
-  };
-
-  std::shared_ptr<All> all_;
+  std::shared_ptr<Inside> inside_;
 };
+
+// The inside of an object of Python, which pybind11 refuses if its __init__ never ran.
+using Open = std::shared_ptr<Inside> (*)(const pybind11::object&);
+template <class T>
+std::shared_ptr<Inside> inside_of(const pybind11::object& self) {
+  return self.cast<Held<T>>().inside();
+}
 
 // The method as pybind11 binds it: on a holder, in its turn. One whose first argument is no T stays
 // as it is.
@@ -87,12 +101,19 @@ auto in_turn(Method method, std::type_identity<R(Self, Args...)>) {
 }
 
 template <class R, class... Args>
-std::type_identity<R(Args...)> signature(std::function<R(Args...)>);
+std::type_identity<R(Args...)> signature(R (*)(Args...));
+template <class R, class F, class... Args>
+std::type_identity<R(Args...)> signature(R (F::*)(Args...) const);
 
+// A lambda that captures nothing is its function: all of one signature are bound by the same code.
 template <class T, class Function>
   requires(!std::is_member_pointer_v<Function>)
 auto in_turn(Function method) {
-  return in_turn<T>(method, decltype(signature(std::function(method))){});
+  if constexpr (requires { signature(+method); }) {
+    return in_turn<T>(+method, decltype(signature(+method)){});
+  } else {
+    return in_turn<T>(std::move(method), decltype(signature(&Function::operator())){});
+  }
 }
 
 template <class T, class R, class Owner, class... Args>
@@ -104,6 +125,17 @@ template <class T, class R, class Owner, class... Args>
 auto in_turn(R (Owner::*method)(Args...) const) {
   return in_turn<T>(method, std::type_identity<R(const T&, Args...)>{});
 }
+
+// A method, or a property that is read, of a class of any type: `call` takes its `self` as an
+// object.
+template <class Call, class... Extra>
+void def_method(const pybind11::object& type, const char* name, Call call, const Extra&... extra) {
+  type.attr(name) = pybind11::cpp_function(
+      std::move(call), pybind11::name(name), pybind11::is_method(type),
+      pybind11::sibling(pybind11::getattr(type, name, pybind11::none())), extra...);
+}
+void def_property(const pybind11::object& type, const char* name, const pybind11::cpp_function& get,
+                  const char* doc);
 
 // Called when all classes of a module are bound. Prevents what would end the process: pickle of
 // protocol 0 or 1, which calls the nameless base class of pybind11, and an object that is told that
@@ -135,9 +167,9 @@ class Class : public pybind11::class_<T, Bases..., Held<T>> {
   }
 
  private:
-  template <class Method, class... Extra>
-  void method(const char* name, Method method, const Extra&... extra) {
-    Bound::def(name, in_turn<T>(std::move(method)), extra...);
+  template <class Work, class... Extra>
+  void method(const char* name, Work work, const Extra&... extra) {
+    Bound::def(name, in_turn<T>(std::move(work)), extra...);
   }
 };
 

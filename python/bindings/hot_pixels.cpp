@@ -7,10 +7,9 @@
 #include "arrays.hpp"
 #include "asap/algorithms/noise_filters.hpp"
 #include "gil.hpp"
-#include "layers.hpp"
 #include "per_event.hpp"
 
-namespace asap::python {
+namespace asap::python::hot_pixels {
 namespace {
 
 using Pairs = std::vector<std::pair<int, int>>;
@@ -50,24 +49,22 @@ Pairs pairs_of(const std::vector<MaskedPixel>& pixels) {
 }
 
 Keyword<HotPixelMaskConfig> pixels() {
-  return {.name = "pixels",
-          .set =
-              [](HotPixelMaskConfig& config, py::handle given) {
-                try {
-                  config.pixels.clear();
-                  for (const auto& [x, y] : given.cast<Pairs>()) config.pixels.push_back({x, y});
-                } catch (const py::cast_error&) {
-                  throw_wrong_kind("pixels", given, "give a sequence of (x, y)");
-                }
-              },
-          .get = [](const HotPixelMaskConfig& config) -> py::object {
-            return py::tuple(py::cast(pairs_of(config.pixels)));
-          }};
+  return keyword<HotPixelMaskConfig>(
+      "pixels",
+      [](HotPixelMaskConfig& config, py::handle given) {
+        try {
+          config.pixels.clear();
+          for (const auto& [x, y] : given.cast<Pairs>()) config.pixels.push_back({x, y});
+        } catch (const py::cast_error&) {
+          throw_wrong_kind("pixels", given, "give a sequence of (x, y)");
+        }
+      },
+      [](const HotPixelMaskConfig& config) {
+        return py::tuple(py::cast(pairs_of(config.pixels)));
+      });
 }
 
-}  // namespace
-
-void bind_hot_pixels(py::module_& m) {
+void bind(py::module_& m) {
   using Config = HotPixelMaskConfig;
   Class<HotPixelMask> type(m, "HotPixelMask", documented(kHotPixelsDoc).c_str());
   bind_passing(type);
@@ -102,4 +99,7 @@ $not_gamma
 )");
 }
 
-}  // namespace asap::python
+const AlgorithmBinding binding(&bind);
+
+}  // namespace
+}  // namespace asap::python::hot_pixels

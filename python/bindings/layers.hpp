@@ -1,28 +1,19 @@
-// The bind functions of the layers, in the order of the include graph.
+// How the layers are bound, each in the file of its name. Algorithms bind themselves: see
+// native_algorithm.hpp.
 #pragma once
 
 #include <pybind11/pybind11.h>
 
-namespace asap::python {
-
-void bind_filter(pybind11::module_& m);
-void bind_validator(pybind11::module_& m);
-void bind_schemes(pybind11::module_& m);
-void bind_telemetry(pybind11::module_& m);
-void bind_runner(pybind11::module_& m);
-void bind_pipeline(pybind11::module_& m);
-void bind_oracle(pybind11::module_& m);
-void bind_formats(pybind11::module_& m);
-void bind_columns(pybind11::module_& m);
-void bind_decoders(pybind11::module_& m);
-void bind_synthetic(pybind11::module_& m);
-void bind_cluster_trackers(pybind11::module_& m);
-void bind_corners(pybind11::module_& m);
-void bind_hot_pixels(pybind11::module_& m);
-void bind_surfaces(pybind11::module_& m);
-void bind_flow(pybind11::module_& m);
-void bind_event_image(pybind11::module_& m);
-void bind_features(pybind11::module_& m);
-void bind_motion(pybind11::module_& m);
-
-}  // namespace asap::python
+// clang-format off
+namespace asap::python::filter { void bind(pybind11::module_& m); }
+namespace asap::python::validator { void bind(pybind11::module_& m); }
+namespace asap::python::schemes { void bind(pybind11::module_& m); }
+namespace asap::python::telemetry { void bind(pybind11::module_& m); }
+namespace asap::python::runner { void bind(pybind11::module_& m); }
+namespace asap::python::pipeline { void bind(pybind11::module_& m); }
+namespace asap::python::oracle { void bind(pybind11::module_& m); }
+namespace asap::python::formats { void bind(pybind11::module_& m); }
+namespace asap::python::columns { void bind(pybind11::module_& m); }
+namespace asap::python::decoders { void bind(pybind11::module_& m); }
+namespace asap::python::synthetic { void bind(pybind11::module_& m); }
+// clang-format on

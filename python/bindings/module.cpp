@@ -6,6 +6,7 @@
 #include "gil.hpp"
 #include "held.hpp"
 #include "layers.hpp"
+#include "native_algorithm.hpp"
 
 namespace {
 
@@ -29,24 +30,17 @@ PYBIND11_MODULE(_core, m) {
   m.attr("__version__") = std::string(asap::kVersion);
 
   begin_once();
-  asap::python::bind_filter(m);
-  asap::python::bind_validator(m);
-  asap::python::bind_schemes(m);
-  asap::python::bind_telemetry(m);
-  asap::python::bind_runner(m);
-  asap::python::bind_pipeline(m);
-  asap::python::bind_oracle(m);
-  asap::python::bind_formats(m);
-  asap::python::bind_columns(m);
-  asap::python::bind_decoders(m);
-  asap::python::bind_synthetic(m);
-  asap::python::bind_cluster_trackers(m);
-  asap::python::bind_corners(m);
-  asap::python::bind_hot_pixels(m);
-  asap::python::bind_surfaces(m);
-  asap::python::bind_flow(m);
-  asap::python::bind_event_image(m);
-  asap::python::bind_features(m);
-  asap::python::bind_motion(m);
+  asap::python::filter::bind(m);
+  asap::python::validator::bind(m);
+  asap::python::schemes::bind(m);
+  asap::python::telemetry::bind(m);
+  asap::python::runner::bind(m);
+  asap::python::pipeline::bind(m);
+  asap::python::oracle::bind(m);
+  asap::python::formats::bind(m);
+  asap::python::columns::bind(m);
+  asap::python::decoders::bind(m);
+  asap::python::synthetic::bind(m);
+  asap::python::bind_algorithms(m);
   asap::python::close_classes(m);
 }

@@ -1,10 +1,9 @@
 // The layer `algorithms`: MotionSegmenter.
 #include "arrays.hpp"
 #include "asap/algorithms/motion_segmenter.hpp"
-#include "layers.hpp"
 #include "per_event.hpp"
 
-namespace asap::python {
+namespace asap::python::motion {
 namespace {
 
 constexpr const char* kSegmenterDoc = R"(Finds what moves on its own before a moving camera.
@@ -63,29 +62,14 @@ py::object camera_motion(const MotionSegmenter& segmenter) {
   return moved_to_array(std::vector{*found})[py::int_(0)];
 }
 
-void process(MotionSegmenter& segmenter, const py::array& events) {
-  const EventSpan span = as_span(events);
-  // Pure C++ on memory that `events` keeps alive: other Python threads may run.
-  const WithoutGil release;
-  segmenter.process(span);
-}
-
-}  // namespace
-
-void bind_motion(py::module_& m) {
+void bind(py::module_& m) {
   PYBIND11_NUMPY_DTYPE(CameraMotion, t, vx, vy, turn, zoom, covariance);
 
   using Config = MotionSegmenterConfig;
   Class<MotionSegmenter> type(m, "MotionSegmenter", documented(kSegmenterDoc).c_str());
-  bind_process(type, &process, R"(Takes the next events of the stream.
-
-$events
-
-$not_events
-)");
+  bind_taking(type);
   const auto objects = [](const MotionSegmenter& self) { return moved_to_array(self.objects()); };
   type.def_property_readonly("objects", objects, kObjectsDoc)
-      .def_property_readonly("regions", objects, "Alias of `objects`.")
       .def(
           "objects_at",
           [](const MotionSegmenter& self, std::int64_t t_us) {
@@ -107,4 +91,7 @@ $not_gamma
 )");
 }
 
-}  // namespace asap::python
+const AlgorithmBinding binding(&bind);
+
+}  // namespace
+}  // namespace asap::python::motion

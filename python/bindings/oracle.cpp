@@ -7,9 +7,9 @@
 #include "layers.hpp"
 #include "oracle/clairvoyant.hpp"
 
-namespace asap::python {
+namespace asap::python::oracle {
 
-void bind_oracle(py::module_& m) {
+void bind(py::module_& m) {
   py::class_<Oracle>(
       m, "Oracle",
       R"(OB(L): no policy finishes more events in time, unless it knows the random part of the cost.
@@ -80,4 +80,4 @@ notebooks/theory.md, section 9.
 )");
 }
 
-}  // namespace asap::python
+}  // namespace asap::python::oracle

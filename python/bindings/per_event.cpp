@@ -1,8 +1,42 @@
 #include "per_event.hpp"
 
-namespace asap::python {
+#include <memory>
+#include <optional>
+#include <utility>
 
-std::string documented(std::string text) {
+namespace asap::python {
+namespace {
+
+// The object of a call from Python, in its turn.
+struct Worker {
+  Worker(Open open, const py::object& self, bool works = true)
+      : inside(open(self)), turn(inside->turns) {
+    inside->has_worked |= works;
+  }
+
+  void* get() const noexcept { return inside->object.get(); }
+
+  std::shared_ptr<Inside> inside;
+  CallersTurn turn;
+};
+
+// Pure C++ on memory that `events` keeps alive: other Python threads may run.
+template <class Work>
+void unheld(Work work) {
+  const WithoutGil release;
+  work();
+}
+
+template <class Process, class... Extra>
+void def_process(const py::object& type, Process process, const char* doc, const Extra&... extra) {
+  def_method(type, "process", std::move(process), py::arg("events").noconvert(), extra...,
+             documented(doc).c_str());
+}
+
+}  // namespace
+
+std::string documented(const std::string& given) {
+  std::string text = given;
   constexpr std::pair<const char*, const char*> kTexts[] = {
       {"$sensor", R"(Parameters
 ----------
@@ -39,6 +73,99 @@ ValueError
     if (at != std::string::npos) text.replace(at, std::string(word).size(), meaning);
   }
   return text;
+}
+
+void def_taking(const py::object& type, const NativeAlgorithm& calls) {
+  const auto process = [calls](const py::object& self, const py::array& events) {
+    const EventSpan span = as_span(events);
+    const Worker worker(calls.open, self);
+    unheld([&] { calls.process(worker.get(), span); });
+  };
+  def_process(type, process, R"(Takes the next events of the stream.
+
+$events
+
+$not_events
+)");
+}
+
+void def_passing(const py::object& type, const NativeAlgorithm& calls) {
+  const auto process = [calls](const py::object& self, const py::array& events) {
+    const EventSpan span = as_span(events);
+    std::vector<Event> passed(span.size());
+    const Worker worker(calls.open, self);
+    unheld([&] { passed.resize(calls.pass(worker.get(), span, passed)); });
+    return moved_to_array(std::move(passed));
+  };
+  def_process(type, process,
+              R"(Takes the next events of the stream and returns those that pass.
+
+$events
+
+Returns
+-------
+ndarray of shape (k,) in EVENT_DTYPE
+    A new array.
+
+$not_events
+)");
+}
+
+void def_labelled(const py::object& type, const NativeAlgorithm& calls, Label label,
+                  const char* doc) {
+  const auto process = [calls, label](const py::object& self, const py::array& events,
+                                      bool labels) -> std::optional<py::array_t<std::int32_t>> {
+    const EventSpan span = as_span(events);
+    std::vector<std::int32_t> ids(labels ? span.size() : 0);
+    const Worker worker(calls.open, self);
+    unheld([&] { labels ? label(worker.get(), span, ids) : calls.process(worker.get(), span); });
+    if (!labels) return std::nullopt;
+    return moved_to_array(std::move(ids));
+  };
+  def_process(type, process, doc, py::arg("labels") = true);
+}
+
+void def_answering(const py::object& type, Open open, Answer answer, const py::dtype& dtype,
+                   std::size_t columns, const char* doc) {
+  const auto process = [=](const py::object& self, const py::array& events) {
+    const EventSpan span = as_span(events);
+    std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(span.size())};
+    if (columns > 1) shape.push_back(static_cast<py::ssize_t>(columns));
+    py::array values(dtype, shape);
+    const Worker worker(open, self);
+    unheld([&] { answer(worker.get(), span, values.mutable_data()); });
+    return values;
+  };
+  def_process(type, process, doc);
+}
+
+void def_rest(const py::object& type, const char* name, const NativeAlgorithm& calls,
+              const char* gamma_doc) {
+  note_native(type, calls);
+  type.attr("name") = name;
+  def_method(
+      type, "reset",
+      [calls](const py::object& self) {
+        const Worker worker(calls.open, self, false);
+        calls.reset(worker.get());
+        worker.inside->has_worked = false;
+      },
+      "Back to the state after construction: the same events, the same "
+      "results.");
+  if (gamma_doc != nullptr) {
+    def_method(
+        type, "set_gamma",
+        [calls](const py::object& self, double gamma) {
+          const Worker worker(calls.open, self);
+          calls.set_gamma(worker.get(), gamma);
+        },
+        py::arg("gamma"), documented(gamma_doc).c_str());
+  }
+  def_property(type, "rejected", py::cpp_function([calls](const py::object& self) {
+                 const Worker worker(calls.open, self, false);
+                 return calls.rejected(worker.get());
+               }),
+               "Events dropped because they lie outside the frame.");
 }
 
 }  // namespace asap::python

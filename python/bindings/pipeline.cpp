@@ -9,7 +9,7 @@
 #include "telemetry.hpp"
 #include "validator.hpp"
 
-namespace asap::python {
+namespace asap::python::pipeline {
 namespace {
 
 double us(std::int64_t ns) { return static_cast<double>(ns) * 1e-3; }
@@ -53,7 +53,7 @@ void bind_stats(py::module_& m) {
 
 }  // namespace
 
-void bind_pipeline(py::module_& m) {
+void bind(py::module_& m) {
   py::class_<LivePackage>(m, "LivePackage", R"(A package of a pipeline.
 
 Its events are a read-only array in EVENT_DTYPE, valid as long as it is referenced.
@@ -132,4 +132,4 @@ Its events are a read-only array in EVENT_DTYPE, valid as long as it is referenc
   stop_pipelines_on_exit();
 }
 
-}  // namespace asap::python
+}  // namespace asap::python::pipeline

@@ -25,7 +25,7 @@
 #include "runner/read_ahead.hpp"
 #include "telemetry.hpp"
 
-namespace asap::python {
+namespace asap::python::runner {
 namespace {
 
 template <class Runner>
@@ -87,46 +87,42 @@ py::object or_none(const Value& values) {
 }
 
 Keyword<LinearCostConfig> drift() {
-  return {.name = "drift",
-          .set =
-              [](LinearCostConfig& config, py::handle given) {
-                config.drift =
-                    sequence<std::vector<double>>("drift", given, "give a sequence of numbers");
-              },
-          .get = [](const LinearCostConfig& config) { return or_none(config.drift); }};
+  return keyword<LinearCostConfig>(
+      "drift",
+      [](LinearCostConfig& config, py::handle given) {
+        config.drift = sequence<std::vector<double>>("drift", given, "give a sequence of numbers");
+      },
+      [](const LinearCostConfig& config) { return or_none(config.drift); });
 }
 
 Keyword<LinearCostConfig> outages() {
   constexpr double kLargestMs = 9e12;
-  return {
-      .name = "outages_ms",
-      .set =
-          [](LinearCostConfig& config, py::handle given) {
-            const auto times =
-                sequence<Times>("outages_ms", given, "give a sequence of (begin, end) in ms");
-            for (const auto& [begin_ms, end_ms] : times) {
-              require(std::abs(begin_ms) <= kLargestMs && std::abs(end_ms) <= kLargestMs,
-                      "outages_ms", begin_ms, "give begin and end in ms");
-              config.outages.push_back({std::llround(begin_ms * 1e6), std::llround(end_ms * 1e6)});
-            }
-          },
-      .get =
-          [](const LinearCostConfig& config) {
-            Times times;
-            for (const Outage& outage : config.outages) {
-              times.emplace_back(static_cast<double>(outage.begin_ns) * 1e-6,
-                                 static_cast<double>(outage.end_ns) * 1e-6);
-            }
-            return or_none(times);
-          }};
+  return keyword<LinearCostConfig>(
+      "outages_ms",
+      [](LinearCostConfig& config, py::handle given) {
+        const auto times =
+            sequence<Times>("outages_ms", given, "give a sequence of (begin, end) in ms");
+        for (const auto& [begin_ms, end_ms] : times) {
+          require(std::abs(begin_ms) <= kLargestMs && std::abs(end_ms) <= kLargestMs, "outages_ms",
+                  begin_ms, "give begin and end in ms");
+          config.outages.push_back({std::llround(begin_ms * 1e6), std::llround(end_ms * 1e6)});
+        }
+      },
+      [](const LinearCostConfig& config) {
+        Times times;
+        for (const Outage& outage : config.outages) {
+          times.emplace_back(static_cast<double>(outage.begin_ns) * 1e-6,
+                             static_cast<double>(outage.end_ns) * 1e-6);
+        }
+        return or_none(times);
+      });
 }
 
 Keywords<LinearCostConfig> cost_keywords() {
   using Config = LinearCostConfig;
-  return {.by_position = 2,
-          .rows = {keyword("alpha_us", &Config::alpha_us), keyword("beta_ns", &Config::beta_ns),
-                   keyword("noise", &Config::noise), keyword("seed", &Config::seed), drift(),
-                   outages()}};
+  return {2,
+          {keyword("alpha_us", &Config::alpha_us), keyword("beta_ns", &Config::beta_ns),
+           keyword("noise", &Config::noise), keyword("seed", &Config::seed), drift(), outages()}};
 }
 
 // A LinearCost, or the caller's function of n and t_us; destroyed with the simulator, which happens
@@ -171,7 +167,7 @@ void replay_source(Replay& replay, EventSource& source, const py::object& algori
 }
 
 void bind_cost(py::module_& m) {
-  Class<LinearCost> cost(m, "LinearCost", R"(A simulated algorithm.
+  Class<LinearCost> type(m, "LinearCost", R"(A simulated algorithm.
 
 A package of n events costs X (alpha + beta n); X is lognormal of mean 1 with sigma = noise, one draw
 per package. beta may drift, and outages stop the algorithm: it neither starts nor goes on.
@@ -198,14 +194,14 @@ ValueError
     A value out of range, or outages that overlap.
 )");
   const auto keywords = cost_keywords();
-  bind_constructor(cost, keywords);
-  cost.def_property_readonly(
+  bind_constructor(type, keywords);
+  type.def_property_readonly(
           "name", [](const LinearCost&) { return "linear_cost"; }, "Its name in reports.")
       .def_property_readonly(
           "parameters",
           [keywords](const LinearCost& cost) {
             py::dict all;
-            for (const auto& [name, value] : told(keywords, cost.config())) {
+            for (const auto& [name, value] : told(keywords, &cost.config())) {
               if (!value.is_none()) all[name] = value;
             }
             return all;
@@ -228,7 +224,7 @@ constexpr std::size_t kLongLog = std::size_t{1} << 20;
 
 }  // namespace
 
-void bind_runner(py::module_& m) {
+void bind(py::module_& m) {
   m.def("is_native", &is_native, py::arg("algorithm"),
         "Whether the library owns the algorithm's loop over the events of a package.");
 
@@ -247,8 +243,9 @@ void bind_runner(py::module_& m) {
                        const py::object& seed, const Validator& validator,
                        const std::string& execution, bool flush, const py::object& before,
                        const std::string& when_full, bool keep_mask, bool long_log) {
-             return RunConfig{.latency = value_of<std::optional<std::chrono::nanoseconds>>(
-                                  "latency_ms", latency_ms),
+             return RunConfig{.latency = latency_ms.is_none()
+                                             ? std::nullopt
+                                             : std::optional(time_of_ms("latency_ms", latency_ms)),
                               .capacity = whole_number("capacity", capacity),
                               .seed = whole_number("seed", seed),
                               .validator = validator.config(),
@@ -354,4 +351,4 @@ void bind_runner(py::module_& m) {
   bind_results<Replay>(replay);
 }
 
-}  // namespace asap::python
+}  // namespace asap::python::runner

@@ -37,12 +37,12 @@ auto keywords_of_scheme() {
   if constexpr (requires { S::Config::kParameters; }) {
     return std::apply(
         [](const auto&... fields) {
-          return Keywords<typename S::Config>{.rows = {keyword(fields.name, fields.field)...}};
+          return Keywords<typename S::Config>(0, {keyword(fields.name, fields.field)...});
         },
         S::Config::kParameters);
   } else {
     struct None {};
-    return Keywords<None>{};
+    return Keywords<None>(0, {});
   }
 }
 

@@ -10,7 +10,7 @@
 #include "layers.hpp"
 #include "scheme_class.hpp"
 
-namespace asap::python {
+namespace asap::python::schemes {
 namespace {
 
 namespace py = pybind11;
@@ -28,7 +28,7 @@ std::string repr(const py::object& scheme) {
 
 }  // namespace
 
-void bind_schemes(py::module_& m) {
+void bind(py::module_& m) {
   translate_bad_times();
   Class<Scheme>(m, "Scheme",
                 "Scheme(*args, **kwargs)\n--\n\n"  // none of its own
@@ -185,4 +185,4 @@ Source: notebooks/theory.md, section 5.
   m.attr("SCHEMES") = py::tuple(m.attr("Scheme").attr("__subclasses__")());
 }
 
-}  // namespace asap::python
+}  // namespace asap::python::schemes

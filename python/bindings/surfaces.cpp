@@ -1,13 +1,9 @@
 // The layer `algorithms`: the surfaces that events change around their pixel.
-#include <utility>
-
 #include "arrays.hpp"
 #include "asap/algorithms/event_surface.hpp"
-#include "gil.hpp"
-#include "layers.hpp"
 #include "per_event.hpp"
 
-namespace asap::python {
+namespace asap::python::surfaces {
 namespace {
 
 constexpr const char* kThresholdOrdinalDoc = R"(How recently each pixel fired, in 8 bits (TOS).
@@ -49,14 +45,6 @@ keep polarities apart.
 )";
 
 template <class Surface>
-void take(Surface& surface, const py::array& events) {
-  const EventSpan span = as_span(events);
-  // Pure C++ on memory that `events` keeps alive: other Python threads may run.
-  const WithoutGil release;
-  surface.process(span);
-}
-
-template <class Surface>
 py::array_t<typename Surface::Value> values(const Surface& surface) {
   py::array_t<typename Surface::Value> copy({surface.config().height, surface.config().width});
   surface.copy_to({copy.mutable_data(), static_cast<std::size_t>(copy.size())});
@@ -67,14 +55,9 @@ template <class Surface>
 void bind_surface(py::module_& m, const char* title, const char* doc, const char* name,
                   Keyword<typename Surface::Config> keyword, const char* surface_doc) {
   Class<Surface> type(m, title, documented(doc).c_str());
-  bind_process(type, &take<Surface>, R"(Takes the next events of the stream.
-
-$events
-
-$not_events
-)");
+  bind_taking(type);
   type.def_property_readonly("surface", &values<Surface>, surface_doc);
-  bind_rest(type, name, sized<typename Surface::Config>({std::move(keyword)}),
+  bind_rest(type, name, sized<typename Surface::Config>({keyword}),
             R"(Tells the fraction of the events that reaches the surface, 0 <= gamma <= 1.
 
 Checked, without effect: the published rule ages by the events around and holds no rate to correct.
@@ -83,17 +66,18 @@ $not_gamma
 )");
 }
 
-}  // namespace
-
-void bind_surfaces(py::module_& m) {
+void bind(py::module_& m) {
   bind_surface<ThresholdOrdinalSurface>(
-      m, "ThresholdOrdinalSurface", kThresholdOrdinalDoc, "threshold_ordinal_surface",
+      m, "ThresholdOrdinalSurface", kThresholdOrdinalDoc, "tos",
       keyword("side", &ThresholdOrdinalSurfaceConfig::side),
       "ndarray of uint8, shape (height, width): a copy. 255: fired last; 0: long ago.");
   bind_surface<SpeedInvariantTimeSurface>(
-      m, "SpeedInvariantTimeSurface", kSpeedInvariantDoc, "speed_invariant_time_surface",
+      m, "SpeedInvariantTimeSurface", kSpeedInvariantDoc, "sits",
       keyword("radius", &SpeedInvariantTimeSurfaceConfig::radius),
       "ndarray of uint16, shape (height, width): a copy. (2 radius + 1)^2: fired last.");
 }
 
-}  // namespace asap::python
+const AlgorithmBinding binding(&bind);
+
+}  // namespace
+}  // namespace asap::python::surfaces

@@ -8,7 +8,7 @@
 #include "gil.hpp"
 #include "layers.hpp"
 
-namespace asap::python {
+namespace asap::python::synthetic {
 namespace {
 
 py::array read_stream(EventStream& stream, const py::object& at_least) {
@@ -23,7 +23,7 @@ py::array read_stream(EventStream& stream, const py::object& at_least) {
 
 }  // namespace
 
-void bind_synthetic(py::module_& m) {
+void bind(py::module_& m) {
   py::class_<EventStream>(m, "EventStream", "Synthetic events, made as they are read, once.")
       .def("read", &read_stream, py::arg("at_least"),
            "A new array of at least so many events, fewer at the end, then empty.");
@@ -64,4 +64,4 @@ void bind_synthetic(py::module_& m) {
            py::arg("seed"));
 }
 
-}  // namespace asap::python
+}  // namespace asap::python::synthetic

@@ -11,7 +11,7 @@
 #include "held.hpp"
 #include "layers.hpp"
 
-namespace asap::python {
+namespace asap::python::telemetry {
 namespace {
 
 using HistogramState =
@@ -29,6 +29,9 @@ LatencyHistogram restored(const HistogramState& state) {
 }
 
 }  // namespace
+}  // namespace asap::python::telemetry
+
+namespace asap::python {
 
 py::array_t<PackageRow> rows_of(const RunLog& log, std::size_t since) {
   const std::size_t first = std::clamp(since, log.first(), log.size());
@@ -50,7 +53,11 @@ py::array_t<SlotRow> rows_of(std::span<const Slot> slots) {
   return rows;
 }
 
-void bind_telemetry(py::module_& m) {
+}  // namespace asap::python
+
+namespace asap::python::telemetry {
+
+void bind(py::module_& m) {
   PYBIND11_NUMPY_DTYPE(PackageRow, index, start_us, processing_us, t_first, t_last, offered, size,
                        gamma, event_rate, rate, margin_us, latency_max_us, stale, overflow);
   m.attr("PACKAGE_DTYPE") = py::dtype::of<PackageRow>();
@@ -123,4 +130,4 @@ received = rejected + filtered + discarded + stale + overflow + delivered + pend
       .def("__eq__", [](const Ledger& a, const Ledger& b) { return a == b; });
 }
 
-}  // namespace asap::python
+}  // namespace asap::python::telemetry

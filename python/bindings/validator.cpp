@@ -10,7 +10,7 @@
 #include "held.hpp"
 #include "layers.hpp"
 
-namespace asap::python {
+namespace asap::python::validator {
 
 namespace {
 
@@ -59,6 +59,9 @@ py::dict repaired(const Validator& validator) {
 }
 
 }  // namespace
+}  // namespace asap::python::validator
+
+namespace asap::python {
 
 py::dict dict_of(const Rejections& by) {
   py::dict reasons;
@@ -70,7 +73,11 @@ py::dict dict_of(const Rejections& by) {
   return reasons;
 }
 
-void bind_validator(py::module_& m) {
+}  // namespace asap::python
+
+namespace asap::python::validator {
+
+void bind(py::module_& m) {
   Class<Validator>(m, "Validator")
       .def(
           py::init([](const py::object& width, const py::object& height, const std::string& on_bad,
@@ -96,4 +103,4 @@ void bind_validator(py::module_& m) {
       .def_property_readonly("clock_offset_us", &Validator::clock_offset_us);
 }
 
-}  // namespace asap::python
+}  // namespace asap::python::validator

@@ -5,14 +5,15 @@
 #include <chrono>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
+#include "arrays.hpp"
 #include "core/check.hpp"
 #include "gil.hpp"
 #include "held.hpp"
 #include "native_consumer.hpp"
 #include "parts.hpp"
-#include "per_event.hpp"
 #include "study/jaer_cluster_tracker.hpp"
 #include "study/realtime.hpp"
 
@@ -24,6 +25,18 @@ py::array clusters_of(std::vector<Cluster> clusters) {
   return moved_to_array(std::move(clusters), dtype);
 }
 
+std::optional<py::array> process(JaerClusterTracker& tracker, const py::array& events,
+                                 bool labels) {
+  const EventSpan span = as_span(events);
+  std::vector<std::int32_t> ids(span.size());
+  {
+    const WithoutGil release;  // pure C++ on memory that `events` keeps alive
+    tracker.process(span, ids);
+  }
+  if (!labels) return std::nullopt;
+  return moved_to_array(std::move(ids));
+}
+
 void bind_jaer_cluster_tracker(py::module_& m) {
   using Tracker = JaerClusterTracker;
   Class<Tracker>(
@@ -33,8 +46,8 @@ void bind_jaer_cluster_tracker(py::module_& m) {
       .def(py::init(
                [](int width, int height) { return Tracker({.width = width, .height = height}); }),
            py::arg("width"), py::arg("height"))
-      .def("process", &process_labelled<Tracker>, py::arg("events").noconvert(),
-           py::arg("labels") = true, "As ClusterTracker.process.")
+      .def("process", &process, py::arg("events").noconvert(), py::arg("labels") = true,
+           "As ClusterTracker.process.")
       .def_property_readonly(
           "clusters", [](const Tracker& self) { return clusters_of(self.clusters()); },
           "As ClusterTracker.clusters; pxx, pxy and pyy are not known.")

@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 import asap
+from asap import _core
 from golden import golden_stream
 from threads import turns_meanwhile
 
@@ -29,18 +30,24 @@ MADE: dict[str, tuple[Make, dict[str, Any]]] = {
         asap.FeatureTracker,
         {"detector": "e_fast", "window": 50, "radius": 4, "min_neighbours": 0, "window_us": 9000},
     ),
-    "background_activity": (asap.BackgroundActivityFilter, {"window_us": 700}),
-    "hot_pixel_mask": (asap.HotPixelMask, {"pixels": [(3, 4), (0, 9)], "learn_events": 0}),
+    "background": (asap.BackgroundActivityFilter, {"window_us": 700}),
+    "hot_pixels": (asap.HotPixelMask, {"pixels": [(3, 4), (0, 9)], "learn_events": 0}),
     "e_fast": (asap.EFast, {}),
     "arc_star": (asap.ArcStar, {"filter_us": 9}),
     "e_harris": (asap.EHarris, {"threshold": 2.5}),
     "fa_harris": (asap.FAHarris, {"filter_us": 3, "threshold": 0.25}),
-    "ordinal_surface": (asap.ThresholdOrdinalSurface, {"side": 5}),
-    "speed_invariant_surface": (asap.SpeedInvariantTimeSurface, {"radius": 3}),
-    "plane_flow": (asap.PlaneFlow, {"window_us": 900, "min_points": 9, "refit": False}),
+    "tos": (asap.ThresholdOrdinalSurface, {"side": 5}),
+    "sits": (asap.SpeedInvariantTimeSurface, {"radius": 3}),
+    "flow": (asap.PlaneFlow, {"window_us": 900, "min_points": 9, "refit": False}),
     "motion": (asap.MotionSegmenter, {"window_us": 50_000, "least_px_s": 9.0, "least_share": 0.25}),
     "event_image": (asap.EventImage, {"count": 1000, "channels": ["on", "off"]}),
 }
+
+
+def test_every_algorithm_is_here_by_its_name() -> None:
+    assert {name: kind for name, (kind, _) in MADE.items()} == {
+        kind.name: kind for kind in _core.ALGORITHMS
+    }
 
 
 @pytest.fixture(params=MADE)

@@ -19,22 +19,9 @@ from asap import _checks, _core
 from asap.cli.outcome import CHECK_FAILED, USAGE, Failure
 
 SCHEMES = {kind().name: kind for kind in _core.SCHEMES}
-ALGORITHMS = {
-    "clusters": "ClusterTracker",
-    "published_clusters": "PublishedClusterTracker",
-    "background": "BackgroundActivityFilter",
-    "hot_pixels": "HotPixelMask",
-    "e_fast": "EFast",
-    "arc_star": "ArcStar",
-    "e_harris": "EHarris",
-    "fa_harris": "FAHarris",
-    "tos": "ThresholdOrdinalSurface",
-    "sits": "SpeedInvariantTimeSurface",
-    "flow": "PlaneFlow",
-    "motion": "MotionSegmenter",
-}
+ALGORITHMS = {kind.name: kind.__name__ for kind in _core.ALGORITHMS}
 
-FILTERS = ("background", "hot_pixels")
+FILTERS = tuple(kind.name for kind in _core.FILTERS)
 
 Setting = tuple[str, int | float | str]
 
