@@ -368,10 +368,6 @@ class Oracle(metaclass=_pybind11_type):
     @property
     def bound(self) -> float: ...
 
-def exact_clairvoyant(
-    events: _Events, cost: LinearCost, latency_us: float, max_steps: float = 8e10
-) -> int: ...
-
 # formats
 
 class TextDecoder(metaclass=_pybind11_type):

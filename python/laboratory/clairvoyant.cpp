@@ -1,5 +1,5 @@
-// The latency of a scheduler that knows every arrival: a row of the study's probes.
-#include "oracle/clairvoyant.hpp"
+// What a scheduler that knows every arrival can do.
+#include "study/clairvoyant.hpp"
 
 #include "arrays.hpp"
 #include "gil.hpp"
@@ -37,6 +37,43 @@ Raises
 ------
 ValueError
     The cost has noise, or bin_us is out of range.
+
+References
+----------
+notebooks/theory.md, section 9.
+)");
+  m.def(
+      "exact_clairvoyant",
+      [](const py::array& events, const Held<LinearCost>& cost, double latency_us,
+         double max_steps) {
+        const EventSpan span = as_span(events);
+        const WithoutGil release;  // pure C++: other Python threads may run
+        return exact_clairvoyant(span, *cost, latency_us, max_steps);
+      },
+      py::arg("events").noconvert(), py::arg("cost"), py::arg("latency_us"),
+      py::arg("max_steps") = kMaxExactSteps,
+      R"(The largest number of events that any scheduler can finish in time, in whole packages.
+
+Parameters
+----------
+events : ndarray of EVENT_DTYPE, shape (n,)
+    In order of time.
+cost : LinearCost
+    Its mean counts: without drift and outages.
+latency_us : float
+    The latency bound, us; an event that ends at the bound is in time.
+max_steps : float
+    Work that may be spent, in steps of the order of a nanosecond.
+
+Returns
+-------
+int
+    EC(L), events.
+
+Raises
+------
+ValueError
+    The cost drifts or has outages, or the events are too many; then with the number that fits.
 
 References
 ----------

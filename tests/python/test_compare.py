@@ -131,30 +131,6 @@ def test_oracle_is_above_the_best_of_all_schedules(seed):
     assert bound <= 7
 
 
-@pytest.mark.parametrize("seed", range(10))
-def test_the_exact_oracle_is_the_best_of_all_schedules(seed):
-    t = np.sort(np.random.default_rng(seed).integers(1, 2000, 7))
-    cost = asap.LinearCost(100, 150_000, noise=0.3)  # the mean counts
-    found = asap.oracle(streams.make(t), cost=cost, latency_ms=0.7, exact=True)
-    assert type(found) is int
-    assert found == most_in_time(t.tolist(), 100, 150, 700)
-
-
-def test_the_exact_clairvoyant_stands_beside_the_oracle_where_it_can_be_computed(comparison):
-    few = streams.poisson(6e4, 0.2)
-    options = {"latency_ms": 5, "schemes": [asap.Deadline(latency_ms=5)]}
-    slow = asap.LinearCost(1000, 20_000, noise=0.1)
-    found = asap.compare(few, cost=slow, **options)
-    assert found.exact == asap.oracle(few, cost=slow, latency_ms=5, exact=True)
-    assert found.summary()["exact"] == {
-        "events": found.exact,
-        "in_time": found.exact / few.size,
-    }
-    assert comparison.exact is None and comparison.summary()["exact"] is None  # too many
-    drifting = asap.LinearCost(1000, 20_000, drift=[1.0, 2.0])
-    assert asap.compare(few, cost=drifting, **options).exact is None
-
-
 # ---- the source -----------------------------------------------------------------------------
 
 
@@ -279,15 +255,6 @@ def test_overflow_is_a_share():
 def test_compressed_stamps_are_rounded_down():
     stream = CheckedStream(streams.make([1000, 1003, 1006, 1009]), speed=4.0)
     assert np.concatenate(list(stream))["t"].tolist() == [1000, 1000, 1001, 1002]
-
-
-def test_the_exact_oracle_names_the_number_of_events_that_fits():
-    flood = streams.make(np.full(200_000, 5))
-    cheap = asap.LinearCost(1, 0.01)
-    with pytest.raises(ValueError, match=r"^events = 200000: too many .* the first \d+ or fewer$"):
-        asap.oracle(flood, cost=cheap, latency_ms=10, exact=True)
-    with pytest.raises(TypeError, match=r"^exact = "):
-        asap.oracle(flood, cost=cheap, latency_ms=10, exact="no")
 
 
 ONE = asap.Greedy()

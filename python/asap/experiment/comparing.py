@@ -10,7 +10,6 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 from asap import _checks, _core
-from asap.events import Events
 from asap.experiment.runners import (
     EXECUTIONS,
     Progress,
@@ -22,12 +21,9 @@ from asap.experiment.runners import (
 from asap.experiment.source import CheckedStream
 from asap.results import Comparison, Row, Run
 from asap.results.cost import RATE_SHARE, Cost
-from asap.synthetic import joined
 
 _DEFAULT_LATENCY_MS = 10.0
 _CHUNK = 1 << 16  # events that all get before any gets more
-_MAX_HELD = 1 << 20  # events, for the exact clairvoyant
-_MAX_EXACT_STEPS = 4e9  # some seconds
 
 
 def compare(
@@ -123,7 +119,6 @@ def compare(
     return Comparison(
         rows=rows,
         oracle=best,
-        exact=found.exact,
         runs={row.label: runs[row.label] for row in rows},
         source=described,
         name=os.path.basename(described["path"] or "") or described["format"],
@@ -140,7 +135,6 @@ def oracle(
     *,
     cost: _core.LinearCost,
     latency_ms: float,
-    exact: bool = False,
     execution: str = "anytime",
     speed: float = 1.0,
     width: int | None = None,
@@ -160,13 +154,8 @@ def oracle(
         The simulated algorithm.
     latency_ms : float
         The latency bound, ms. An event that ends at the bound is in time.
-    exact : bool
-        False: the fluid bound OB(L), in flat memory. True: the exact clairvoyant EC(L), which pays
-        for whole packages and is therefore reached. It takes the mean cost, without drift and
-        outages. 10^5 events at 300 per bound take seconds; the work grows with the events and with
-        the square of the events per bound.
     execution : {"anytime", "whole"}
-        As in `simulate`. OB depends on it where the cost has noise; EC does not.
+        As in `simulate`. It matters where the cost has noise.
     speed, width, height, start, stop, on_bad
         As in `compare`.
     seed : int
@@ -177,28 +166,24 @@ def oracle(
     -------
     float
         Events. No scheduler that does not know the random part of the cost finishes more, whatever
-        it discards and however well it knows the arrivals. With `exact` an int.
+        it discards and however well it knows the arrivals: OB(L), a bound in fluid.
 
     Raises
     ------
     ValueError
-        A bad argument, named with its value and the remedy; with `exact`, more events than can be
-        solved, with the number that fits.
+        A bad argument, named with its value and the remedy.
 
     Notes
     -----
     notebooks/theory.md, section 9. With noise OB is a bound in expectation.
     """
     check_cost(cost)
-    _checks.flag("exact", exact)
     check_execution(execution)
     _checks.whole("seed", seed, 0, 2**64 - 1, "must be 0 to 2**64 - 1")
     bound_us = _core.checked_latency_ms(latency_ms) * 1e3
     stream = CheckedStream(
         source, width=width, height=height, on_bad=on_bad, speed=speed, start=start, stop=stop
     )
-    if exact:
-        return _core.exact_clairvoyant(joined(list(stream)), cost, bound_us)
     found = _core.Oracle(cost, bound_us, execution)
     for chunk in stream:
         found.feed(chunk)
@@ -333,7 +318,6 @@ class SideBySide(NamedTuple):
 
     runs: list[Run]  #: in the order of the contenders
     oracles: Mapping[str, float]  #: OB(L) by execution, events
-    exact: int | None  #: EC(L), events; None where it would take long, or the cost drifts
 
 
 def side_by_side(
@@ -371,15 +355,8 @@ def side_by_side(
     oracles = {name: _core.Oracle(cost, latency_ms * 1e3, name) for name in EXECUTIONS}
     feeds = [one.feed for one in simulators] + [one.feed for one in oracles.values()]
     threads = threads if threads is not None else os.cpu_count() or 1
-    held: list[Events] = []
-    room = _MAX_HELD
     with ThreadPoolExecutor(threads) as pool:  # feeding releases the GIL
         for events in stream:
-            room -= events.size
-            if room >= 0:
-                held.append(events.copy())
-            else:
-                held.clear()
             for begin in range(0, events.size, _CHUNK):
                 chunk = events[begin : begin + _CHUNK]
                 _wait_for([pool.submit(feed, chunk) for feed in feeds])
@@ -390,15 +367,7 @@ def side_by_side(
         remember(simulator, stream, config, scheme, cost, mode="virtual")
         for simulator, config, scheme in zip(simulators, configs, schemes, strict=True)
     ]
-    exact = _exact(joined(held), cost, latency_ms) if room >= 0 else None
-    return SideBySide(runs, {name: one.bound for name, one in oracles.items()}, exact)
-
-
-def _exact(events: Events, cost: _core.LinearCost, latency_ms: float) -> int | None:
-    try:
-        return _core.exact_clairvoyant(events, cost, latency_ms * 1e3, _MAX_EXACT_STEPS)
-    except ValueError:  # too many for an exact answer, or no one cost for all
-        return None
+    return SideBySide(runs, {name: one.bound for name, one in oracles.items()})
 
 
 def _wait_for(tasks: Iterable[Future[None]]) -> None:

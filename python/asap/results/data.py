@@ -486,10 +486,6 @@ class Comparison(Result, Mapping[str, Row]):
     oracle : float
         OB(L), a bound in fluid: no policy that does not know the random part of the cost finishes
         more events in time, whatever it discards and however well it knows the arrivals.
-    exact : int or None
-        EC(L), the exact clairvoyant: the most events that can be finished in time in whole packages
-        of the mean cost. None for a cost with drift or outages, and where it would take long: more
-        than a million events, or very many per bound (`oracle` with ``exact=True`` takes longer).
     runs : dict of str to Run
         By label, in the order of the rows.
     source : dict
@@ -510,7 +506,6 @@ class Comparison(Result, Mapping[str, Row]):
 
     rows: list[Row]
     oracle: float
-    exact: int | None
     runs: Mapping[str, Run]
     source: dict[str, Any]
     name: str
@@ -551,7 +546,6 @@ class Comparison(Result, Mapping[str, Row]):
             "speed": self.speed,
             "seed": self.seed,
             "oracle": self._reached(self.oracle),
-            "exact": None if self.exact is None else self._reached(self.exact),
             "schemes": [
                 {
                     **without_nan(asdict(row)),

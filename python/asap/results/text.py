@@ -421,24 +421,11 @@ def comparison_cells(row: Row, latency_ms: float) -> tuple[str, ...]:
 
 
 def oracle_rows(comparison: Comparison) -> list[tuple[str, ...]]:
-    """Write the oracle's line and, where it is known, that of the exact clairvoyant.
-
-    One text for each of `COLUMNS`, empty where there is no number.
-    """
+    """Write the oracle's line: one text for each of `COLUMNS`, empty where there is no number."""
     name = "oracle (whole)" if comparison.execution == "whole" else "oracle"
-    found = [(name, comparison.oracle)]
-    if comparison.exact is not None:
-        found.append(("exact clairvoyant", comparison.exact))
-    empty = [""] * (len(COLUMNS) - 3)
-    return [
-        (
-            name,
-            f"{events / comparison.oracle:.3f}" if comparison.oracle > 0 else "-",
-            _units.share(events / comparison.received) if comparison.received else "-",
-            *empty,
-        )
-        for name, events in found
-    ]
+    score = "1.000" if comparison.oracle > 0 else "-"
+    reached = _units.share(comparison.oracle / comparison.received) if comparison.received else "-"
+    return [(name, score, reached, *[""] * (len(COLUMNS) - 3))]
 
 
 def comparison_verdict(comparison: Comparison) -> str:
@@ -471,12 +458,6 @@ def comparison_verdict(comparison: Comparison) -> str:
     gaps = [row.label for row in keepers if row.gap_us > _LONG_GAP * bound_us]
     if gaps:
         sentences.append(f"Gaps of more than L/2 occur with {_listed(gaps)}.")
-    if comparison.exact is not None and comparison.exact < _ALL * comparison.oracle:
-        share = _units.share(comparison.exact / comparison.oracle)
-        sentences.append(
-            "The oracle serves single events. A scheduler of whole packages that knows all "
-            f"arrivals reaches {share} of it (exact clairvoyant)."
-        )
     if comparison.oracle >= _ALL * comparison.received:
         sentences.append("The events do not overload this algorithm; a larger speed does.")
     sentences.append(_READ)

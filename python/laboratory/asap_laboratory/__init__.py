@@ -1,7 +1,8 @@
 """The laboratory: what the figures behind asap are made with; no part of its wheel.
 
 `scenes` are events with exact truth, `score` and `keep_curve` judge an algorithm on them,
-`profiles` are event rates over time, `baselines` the published schedulers beside ours.
+`profiles` are event rates over time, `baselines` the published schedulers beside ours,
+`exact_oracle` the best that any scheduler of whole packages can do.
 
 A study is its tasks, its tables and the template of its page; `conduct` runs what is missing and
 writes page, data (CSV) and figures: ``asap-study`` on the command line. `STUDIES` holds them:
@@ -13,6 +14,7 @@ machine's clock ("realtime"). `asap_laboratory.real` makes one of recordings wit
 
 from asap_laboratory import profiles, scenes
 from asap_laboratory.accuracy import ACCURACY
+from asap_laboratory.clairvoyant import exact_oracle
 from asap_laboratory.ladder import LADDER
 from asap_laboratory.realtime import REALTIME
 from asap_laboratory.rivals import RIVALS_STUDY
@@ -30,6 +32,7 @@ __all__ = [
     "Study",
     "baselines",
     "conduct",
+    "exact_oracle",
     "keep_curve",
     "profiles",
     "scenes",

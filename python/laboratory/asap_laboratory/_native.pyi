@@ -132,3 +132,6 @@ class SparkPid(Scheme):
 # clairvoyant
 
 def clairvoyant_latency_us(events: _Events, cost: LinearCost, bin_us: float = 10.0) -> float: ...
+def exact_clairvoyant(
+    events: _Events, cost: LinearCost, latency_us: float, max_steps: float = 8e10
+) -> int: ...

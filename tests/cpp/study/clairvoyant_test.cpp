@@ -1,4 +1,4 @@
-#include "oracle/clairvoyant.hpp"
+#include "study/clairvoyant.hpp"
 
 #include <gtest/gtest.h>
 

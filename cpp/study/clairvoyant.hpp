@@ -30,7 +30,7 @@ inline constexpr double kMaxExactSteps = 8e10;  // a minute at most
 //
 // Events in order of time; a stamp that goes back counts as the one before it. With noise the mean
 // cost counts; an event that ends at the bound is in time. Throws std::invalid_argument for a cost
-// with drift or outages, and where it may take more than most_steps, with the number of events that
+// with drift or outages, and where it may take more than max_steps, with the number of events that
 // fits.
 std::uint64_t exact_clairvoyant(EventSpan events, const LinearCost& cost, double latency_us,
                                 double max_steps = kMaxExactSteps);
