@@ -278,9 +278,8 @@ void bind(py::module_& m) {
                        const py::object& algorithm, const py::object& speed) {
              // Rivals of the study also filter on arrival.
              auto* const admission = dynamic_cast<Admission*>(scheme.get());
-             return std::make_unique<Simulator>(*scheme, cost_of(cost), config,
-                                                consumer_of(algorithm), admission,
-                                                real_number("speed", speed));
+             return Admission::simulator(*scheme, cost_of(cost), config, consumer_of(algorithm),
+                                         admission, real_number("speed", speed));
            }),
            py::arg("scheme"), py::arg("cost"), py::arg("config"), py::arg("algorithm") = py::none(),
            py::arg("speed") = 1.0, py::keep_alive<1, 2>(), py::keep_alive<1, 5>())

@@ -54,11 +54,10 @@ static_assert(std::has_single_bit(kSteps_us));
 
 }  // namespace
 
-Validator::Validator(ValidatorConfig config, BitLog* passed)
+Validator::Validator(ValidatorConfig config)
     : config_(config),
       reorder_tolerance_us_(config.reorder_tolerance / 1us),
       warmup_discard_us_(config.warmup_discard / 1us),
-      passed_(passed),
       max_x_(largest_address(config.width)),
       max_y_(largest_address(config.height)),
       warming_up_(warmup_discard_us_ > 0) {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "asap/core/event.hpp"
+#include "asap/filter/validator.hpp"
 #include "asap/packager/package.hpp"
 #include "buffer/event_buffer.hpp"
 #include "core/bit_log.hpp"
@@ -20,8 +21,9 @@ namespace asap {
 
 class KeptMask {
  public:
-  // Producer: of the received events, those that the validator let through.
-  BitLog& passed() noexcept { return passed_; }
+  // Notes which events this validator, which the mask outlives, lets through.
+  void follow(Validator& validator) noexcept { validator.passed_ = &passed_; }
+  const BitLog& passed() const noexcept { return passed_; }
 
   // Producer: of these, `taken` came to the ring and `lost` found it full.
   void entered(std::size_t taken, std::size_t lost) {

@@ -6,11 +6,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <vector>
 
 #include "asap/core/event.hpp"
 #include "asap/core/time.hpp"
 #include "asap/filter/gamma_filter.hpp"
+#include "asap/runner/simulator.hpp"
 #include "telemetry/gap_meter.hpp"
 
 namespace asap {
@@ -26,6 +28,12 @@ struct Arrivals {
 class Admission {
  public:
   virtual ~Admission() = default;
+
+  // A simulator that asks `admission`, if there is one. Scheme and admission outlive it. With an
+  // admission no mask is kept. `speed`: as in ReplayConfig.
+  static std::unique_ptr<Simulator> simulator(Scheme& scheme, SimulatedCost cost, RunConfig config,
+                                              Consumer consumer, Admission* admission,
+                                              double speed = 1.0);
 
   // Kept fraction of what arrives until it is asked again.
   virtual double gamma(const Arrivals& arrivals) noexcept = 0;

@@ -52,7 +52,7 @@ PackagerConfig packager_config(const RunConfig& config, Run::Source source, Kept
 
 Run::Run(Scheme& scheme, const RunConfig& config, Source source)
     : mask_(mask_for(checked(config), source)),
-      validator_(config.validator, mask_ ? &mask_->passed() : nullptr),
+      validator_(config.validator),
       telemetry_(asap::latency_bound_ns(config, scheme), log_rows(config, source)),
       buffer_(ring_capacity(config, latency_bound_ns())),
       ages_(source == Source::recording ? std::make_unique<AgeSlots>(std::max<std::int64_t>(
@@ -64,6 +64,7 @@ Run::Run(Scheme& scheme, const RunConfig& config, Source source)
                     : nullptr),
       packager_(buffer_, ages_ ? EventTimes(*ages_) : EventTimes(*arrivals_), scheme, telemetry_,
                 packager_config(config, source, mask_.get())) {
+  if (mask_) mask_->follow(validator_);
   if (!config.prefault) return;
   buffer_.prefault();
   telemetry_.log.prefault();

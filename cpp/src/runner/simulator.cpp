@@ -284,9 +284,18 @@ std::size_t Simulator::Impl::arrivals_by(std::int64_t time_ns) const noexcept {
 }
 
 Simulator::Simulator(Scheme& scheme, SimulatedCost cost, RunConfig config, Consumer consumer,
-                     Admission* admission, double speed)
-    : impl_(std::make_unique<Impl>(scheme, std::move(cost), config, std::move(consumer), admission,
-                                   speed)) {}
+                     double speed)
+    : Simulator(std::make_unique<Impl>(scheme, std::move(cost), config, std::move(consumer),
+                                       nullptr, speed)) {}
+
+Simulator::Simulator(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+
+std::unique_ptr<Simulator> Admission::simulator(Scheme& scheme, SimulatedCost cost,
+                                                RunConfig config, Consumer consumer,
+                                                Admission* admission, double speed) {
+  return std::unique_ptr<Simulator>(new Simulator(std::make_unique<Simulator::Impl>(
+      scheme, std::move(cost), config, std::move(consumer), admission, speed)));
+}
 
 Simulator::~Simulator() = default;
 

@@ -10,6 +10,7 @@
 
 #include "core/bit_log.hpp"
 #include "core/random.hpp"
+#include "packager/kept_mask.hpp"
 
 namespace asap::validator_test {
 namespace {
@@ -380,8 +381,10 @@ TEST(Validator, OutputIsOrderedAndTheLedgerExactInAnyStorm) {
     ASSERT_EQ(pieces.rejected(), whole.rejected()) << "seed " << seed;
     ASSERT_EQ(pieces.repaired(), whole.repaired()) << "seed " << seed;
 
-    BitLog passed;
-    Validator noting(config, &passed);
+    KeptMask mask;
+    Validator noting(config);
+    mask.follow(noting);
+    const BitLog& passed = mask.passed();
     Validator single(config);
     check(noting, events);
     ASSERT_EQ(passed.size(), events.size()) << "seed " << seed;

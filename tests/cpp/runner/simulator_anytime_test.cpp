@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -97,7 +98,8 @@ void feed_in_chunks(Simulator& simulator, EventSpan events, std::size_t largest)
 void agree(Scheme& scheme, Scheme& naive_scheme, const LinearCostConfig& cost, EventSpan events,
            std::size_t largest, NaiveConfig config) {
   Events delivered;
-  Simulator simulator(
+  std::unique_ptr<Simulator> simulator;
+  simulator = Admission::simulator(
       scheme, LinearCost(cost),
       {.latency = std::chrono::nanoseconds(config.bound_ns),
        .capacity = config.capacity,
@@ -105,15 +107,15 @@ void agree(Scheme& scheme, Scheme& naive_scheme, const LinearCostConfig& cost, E
        .execution = config.execution,
        .flush = config.flush},
       [&](const Package& package) {
-        ASSERT_EQ(package.index, simulator.log().size());
+        ASSERT_EQ(package.index, simulator->log().size());
         ASSERT_FALSE(package.continues);
         delivered.insert(delivered.end(), package.events.begin(), package.events.end());
       },
       dynamic_cast<Admission*>(&scheme));
-  feed_in_chunks(simulator, events, largest);
+  feed_in_chunks(*simulator, events, largest);
   NaiveSimulator naive(naive_scheme, LinearCost(cost), config);
   naive.run(events);
-  test::expect_agreement(simulator, naive);
+  test::expect_agreement(*simulator, naive);
   ASSERT_TRUE(delivered == naive.delivered);
 }
 
@@ -292,10 +294,11 @@ ScriptedScheme::Rule greedy() {
 
 TEST(SimulatorAnytime, ALongSilenceIsNotAskedForAtEveryPeriod) {
   Admitting scheme(greedy(), [](const Arrivals&) { return 1.0; }, kMillisecond);
-  Simulator simulator(scheme, LinearCost({.alpha_us = 1, .beta_ns = 1}), {}, {}, &scheme);
-  simulator.feed(test::at_times({0, 1'000'000'000}));
-  simulator.finish();
-  EXPECT_EQ(simulator.ledger().delivered, 2u);
+  const auto simulator =
+      Admission::simulator(scheme, LinearCost({.alpha_us = 1, .beta_ns = 1}), {}, {}, &scheme);
+  simulator->feed(test::at_times({0, 1'000'000'000}));
+  simulator->finish();
+  EXPECT_EQ(simulator->ledger().delivered, 2u);
   EXPECT_LE(scheme.told.size(), 100'010u) << "of a million";
 }
 
@@ -306,7 +309,7 @@ TEST(SimulatorAnytime, AnExceptionLeavesABalancedLedgerBehindAGate) {
     for (const int last : {1, 2, 5, 30}) {
       Admitting scheme(greedy(), [](const Arrivals&) { return 0.7; }, kMillisecond);
       int calls = 0;
-      Simulator simulator(
+      const auto simulator = Admission::simulator(
           scheme, LinearCost({.alpha_us = 100, .beta_ns = 10'000}), {},
           [&](const Package&) {
             if (++calls == last) throw Trouble{};
@@ -314,12 +317,12 @@ TEST(SimulatorAnytime, AnExceptionLeavesABalancedLedgerBehindAGate) {
           &scheme);
       Events events = evenly_spaced(1000, 30);
       for (std::size_t i = 500; i < events.size(); ++i) events[i].t += 20'000;  // a silence
-      EXPECT_THROW(feed_in_chunks(simulator, events, chunk), Trouble);
+      EXPECT_THROW(feed_in_chunks(*simulator, events, chunk), Trouble);
       EXPECT_EQ(calls, last);
-      const Ledger ledger = simulator.ledger();
+      const Ledger ledger = simulator->ledger();
       EXPECT_TRUE(ledger.balanced());
       EXPECT_GT(ledger.pending, 0u);
-      EXPECT_EQ(simulator.log().size(), static_cast<std::size_t>(last) - 1);
+      EXPECT_EQ(simulator->log().size(), static_cast<std::size_t>(last) - 1);
     }
   }
 }

@@ -230,7 +230,7 @@ TEST(Simulator, ASpeedDividesTheStamps) {
   Events fast_events = evenly_spaced(1000, 10);
   const auto run = [](EventSpan events, double speed) {
     FixedSize scheme({.size = 10});
-    Simulator simulator(scheme, slow(), {.capacity = 200}, {}, nullptr, speed);
+    Simulator simulator(scheme, slow(), {.capacity = 200}, {}, speed);
     simulator.feed(events);
     simulator.finish();
     return simulator.stats();
@@ -242,7 +242,7 @@ TEST(Simulator, ASpeedDividesTheStamps) {
   EXPECT_EQ(stats.latency.max_ns(), expected.latency.max_ns());
   EXPECT_EQ(stats.gap_us, expected.gap_us);
   FixedSize scheme;
-  EXPECT_EQ(test::error_of([&] { Simulator(scheme, slow(), {}, {}, nullptr, 0); }),
+  EXPECT_EQ(test::error_of([&] { Simulator(scheme, slow(), {}, {}, 0); }),
             "speed = 0: must be between 0.001 and 1e6");
 }
 

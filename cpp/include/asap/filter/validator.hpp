@@ -66,8 +66,7 @@ class Validator {
   static constexpr std::int64_t kMaxRawStamp_us = kMaxStamp_us - (std::int64_t{1} << 50);
   static constexpr std::int64_t kNewEpoch_us = 1'000'000;
 
-  // `passed`, if given, outlives the validator: one bit per event that has come, 1 = sunk.
-  explicit Validator(ValidatorConfig config = {}, BitLog* passed = nullptr);
+  explicit Validator(ValidatorConfig config = {});
 
   // Calls sink(EventSpan) with runs of good events, in order; a run is valid during the call.
   // With OnBad::raise throws std::invalid_argument, which names field, value and the number of the
@@ -121,6 +120,8 @@ class Validator {
   const ValidatorConfig& config() const noexcept { return config_; }
 
  private:
+  friend class KeptMask;
+
   static constexpr std::size_t kBlock = 256;
 
   enum class Fault { none, bad_record, out_of_bounds, nonmonotonic, before_start };
@@ -142,7 +143,7 @@ class Validator {
   ValidatorConfig config_;
   std::int64_t reorder_tolerance_us_;
   std::int64_t warmup_discard_us_;
-  BitLog* passed_;
+  BitLog* passed_ = nullptr;  // one bit per event that has come, 1 = sunk; the mask's
   std::uint32_t max_x_;
   std::uint32_t max_y_;
   static constexpr std::int64_t kNone_us = -kMaxRawStamp_us;

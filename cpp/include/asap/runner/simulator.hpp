@@ -90,14 +90,11 @@ using CostFunction = std::function<double(std::size_t n, double t_us)>;
 
 using SimulatedCost = std::variant<LinearCost, CostFunction>;
 
-class Admission;
-
 class Simulator {
  public:
-  // The scheme outlives the simulator, and so does `admission`, a filter on arrival for rivals of
-  // an experiment: with one no mask is kept. `speed`: as in ReplayConfig.
+  // The scheme outlives the simulator. `speed`: as in ReplayConfig.
   Simulator(Scheme& scheme, SimulatedCost cost, RunConfig config = {}, Consumer consumer = {},
-            Admission* admission = nullptr, double speed = 1.0);
+            double speed = 1.0);
   ~Simulator();
 
   // Events in arrival order. Runs as far as they allow. An exception of the consumer or of the
@@ -120,7 +117,10 @@ class Simulator {
   std::int64_t busy_ns() const noexcept;
 
  private:
+  friend class Admission;
   class Impl;
+  explicit Simulator(std::unique_ptr<Impl> impl);
+
   const std::unique_ptr<Impl> impl_;
 };
 
