@@ -14,6 +14,7 @@
 #include <span>
 #include <vector>
 
+#include "algorithms/fast/gate.hpp"
 #include "algorithms/fast/time.hpp"
 #include "algorithms/fast/track.hpp"
 

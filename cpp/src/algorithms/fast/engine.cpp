@@ -1,160 +1,21 @@
 #include "algorithms/fast/engine.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <functional>
 #include <limits>
 
+#include "algorithms/fast/gate.hpp"
+#include "algorithms/fast/kalman.hpp"
 #include "algorithms/fast/pairs.hpp"
 #include "algorithms/fast/track.hpp"
+#include "algorithms/fast/update.hpp"
 
 namespace asap::fast {
-
-// ---- settings ----------------------------------------------------------------------------------
-
-namespace {
-
-float single(double value) noexcept { return static_cast<float>(value); }
-using Milliseconds = std::chrono::duration<double, std::milli>;
-
-float seconds(Milliseconds time) noexcept { return static_cast<float>(1e-3 * time.count()); }
-std::int32_t microseconds(Milliseconds time) noexcept {
-  return static_cast<std::int32_t>(std::lround(1e3 * time.count()));
-}
-
-constexpr Milliseconds kLongestWindow{150};
-constexpr Milliseconds kSeed = std::chrono::microseconds(kSeed_us);
-constexpr double kMinGamma = 0.01;
-// At a smaller gamma too many events of objects lack support to be rejected: they go to tracks and
-// begin none, or noise would come back that was left out at a larger gamma. After a noise filter
-// upstream little noise is left, so rejection ends earlier.
-constexpr double kMinGammaUnfiltered = 0.08;
-constexpr double kMinGammaFiltered = 0.75;
-
-// Least factors on the thresholds of masses. The masses of weak objects lie little above them and
-// fall with gamma, but fewer events than these may be one edge.
-constexpr double kMinConfirm = 0.25;
-constexpr double kMinSeed = 0.5;
-
-// Gates of 27 to 36 px are good where this bounds the noise in them: 19 px at 5 Hz/px.
-constexpr double kNoiseEvents = 30;
-// Half or twice of it changes little; recordings without noise need it, for nothing else bounds
-// the gate of a sparse object there.
-constexpr double kMinDensity_hz = 1;
-
-float thinned(double events, double gamma, double fewest) noexcept {
-  return single(events * std::clamp(4 * gamma, fewest, 1.0));
-}
-
-std::uint32_t contour_mask(double gamma) noexcept {
-  if (gamma >= 0.75) return 3;
-  return gamma >= 0.3 ? 1 : 0;
-}
-
-}  // namespace
-
-Settings::Settings(const ClusterTrackerConfig& c) noexcept
-    : uses_support(c.support != ClusterSupport::kOff),
-      gate{.birth_radius_px = single(c.birth_radius_px), .max_radius_px = single(c.max_radius_px)},
-      lifecycle{.coast_s = seconds(c.coast)} {
-  set_gamma(c, 1, false);
-}
-
-float Settings::birth_threshold(float noise_hz) const noexcept {
-  constexpr float kAround_px = 3 * kCell_px;
-  const float expected = noise_hz * kAround_px * kAround_px * kSeed_s;
-  return std::max(seed_events, expected + 4 * std::sqrt(expected) + 2);
-}
-
-void Settings::set_gamma(const ClusterTrackerConfig& c, double gamma,
-                         bool filtered_upstream) noexcept {
-  gamma = std::max(gamma, kMinGamma);
-  constexpr double kEvents = kMeanEvents;
-  const double kept = std::clamp(2 * kEvents * gamma, kEvents / 3, kEvents);
-  update.mean_events = static_cast<std::uint32_t>(std::max(1L, std::lround(kept)));
-  update.contour_mask = contour_mask(gamma);
-  const Milliseconds window = c.support_window;
-  const Milliseconds longest = std::max(kLongestWindow, window);
-  support_window_us = microseconds(std::min(longest, window / gamma));
-  // Longer is of no use for all events: the counts of unassociated ones decay with kSeed_us.
-  longest_window_us = microseconds(std::max(kSeed, std::min(longest, kSeed / gamma)));
-  seed_events = thinned(kSeedEvents, gamma, kMinSeed);
-  lifecycle.confirm_events = thinned(c.confirm_events, gamma, kMinConfirm);
-  lifecycle.die_events = thinned(kDieEvents, gamma, kMinConfirm);
-  lifecycle.birth_rate_hz = single(kBirthRate_hz * gamma);
-  gate.noise_events = single(kNoiseEvents * gamma);
-  gate.min_density_hz = single(kMinDensity_hz * gamma);
-  rejects_unsupported = c.support == ClusterSupport::kReject &&
-                        gamma >= (filtered_upstream ? kMinGammaFiltered : kMinGammaUnfiltered);
-  begins_unsupported = c.support != ClusterSupport::kReject || filtered_upstream;
-}
-
-// ---- report ------------------------------------------------------------------------------------
-
-// The listed tracks, predicted for a time to which no event has come yet. The tracks advance
-// without events: they are starved, no longer listed, or leave the frame. All this happens on
-// copies, so that a report changes nothing. Births and merges wait for events.
-
-namespace {
-
-// The track as a cluster at the clock's time, up to which the track must have been advanced.
-Cluster report(const Track& track, const TrackState& state, const PositionError& error,
-               const EventClock& clock) noexcept {
-  const Point mean = predicted_mean(track, clock.now());
-  return {.id = track.id,
-          .x = mean.x,
-          .y = mean.y,
-          .vx = track.vx,
-          .vy = track.vy,
-          .cxx = track.sxx,
-          .cxy = track.sxy,
-          .cyy = track.syy,
-          .size = std::lround(state.mass),
-          .t_last = clock.stamp_us(age_us(clock.now(), state.last_event)),
-          .pxx = error.xx,
-          .pxy = error.xy,
-          .pyy = error.yy};
-}
-
-// The object with this sum at the clock's time.
-TrackedObject report(const ObjectSum& sum, std::int64_t id, std::uint64_t born_us,
-                     const EventClock& clock) noexcept {
-  return {.id = id,
-          .x = sum.x,
-          .y = sum.y,
-          .vx = sum.vx,
-          .vy = sum.vy,
-          .left = sum.box.left,
-          .top = sum.box.top,
-          .width = sum.box.right - sum.box.left,
-          .height = sum.box.bottom - sum.box.top,
-          .size = std::lround(sum.mass),
-          .t_last = clock.stamp_us(sum.quiet_us),
-          .age_us = static_cast<std::int64_t>(clock.now_us() - born_us)};
-}
-
-// Advances a track to the tick's time without events. False: it is not listed then.
-bool advance_without_events(Track& track, TrackState& state, const Tick& tick,
-                            const Settings& settings, const Frame& frame) noexcept {
-  if (!track.has_id()) return false;
-  if (assess(track, state, tick, settings.lifecycle) == Assessment::kDelete) return false;
-  if (is_starved(state)) kalman_without_events(track, state.kalman, tick.now);
-  return is_listed(track, state) && !has_left(track, tick.now, frame);
-}
-
-}  // namespace
-
-// ---- engine ------------------------------------------------------------------------------------
 
 namespace {
 
 constexpr float kNever = std::numeric_limits<float>::infinity();
 constexpr std::uint64_t kNoisePeriod_us = 8'000;
-// Silence after which all tracks are deleted, whatever the parameters: stamps become ambiguous.
-constexpr std::uint64_t kSilence_us = std::uint64_t{1} << 28;
-
-float seconds(std::uint64_t us) noexcept { return 1e-6F * static_cast<float>(us); }
 
 std::int8_t sign_of(const Event& event) noexcept { return event.p > 0 ? 1 : -1; }
 
@@ -532,82 +393,6 @@ Tracks::Slot Engine::begin_part(Slot parent, const Part& part, float share) noex
   begin_at_part(tracks_, parent, slot, part, share);
   owners_.give(part.cells, slot, tracks_[slot].generation);
   return slot;
-}
-
-// ---- output ----
-
-EventClock Engine::clock_at(std::int64_t t_us) const noexcept {
-  EventClock clock = clock_;
-  clock.advance_to(t_us);
-  return clock;
-}
-
-// Calls visit(slot, track, state) with copies of the tracks that `chosen` accepts by their slot and
-// that are listed at the clock's time.
-template <class Chosen, class Visit>
-void Engine::for_each_listed(const EventClock& clock, Chosen&& chosen, Visit&& visit) const {
-  const std::uint64_t elapsed_us = clock.now_us() - tracks_us_;
-  if (elapsed_us > kSilence_us) return;
-  const Tick tick(clock.now(), seconds(elapsed_us), noise_hz_);
-  for (const Slot slot : tracks_.active()) {
-    if (!chosen(slot)) continue;
-    Track track = tracks_[slot];
-    TrackState state = tracks_.state(slot);
-    if (advance_without_events(track, state, tick, settings_, frame_)) visit(slot, track, state);
-  }
-}
-
-Cluster Engine::cluster_of(Slot slot, const Track& track, const TrackState& state,
-                           const EventClock& clock) const noexcept {
-  const PositionError error =
-      position_error(track, state.kalman, tracks_.contour(slot), clock.now());
-  return report(track, state, error, clock);
-}
-
-void Engine::read(std::int64_t t_us, std::vector<Cluster>& clusters) const {
-  clusters.clear();
-  const EventClock clock = clock_at(t_us);
-  for_each_listed(
-      clock, [](Slot) { return true; },
-      [&](Slot slot, const Track& track, const TrackState& state) {
-        clusters.push_back(cluster_of(slot, track, state, clock));
-      });
-  std::ranges::sort(clusters, {}, &Cluster::id);
-}
-
-void Engine::read(std::int64_t t_us, std::vector<TrackedObject>& objects) const {
-  objects.clear();
-  const EventClock clock = clock_at(t_us);
-  for (std::size_t i = 0; i < objects_.size(); ++i) {
-    if (!objects_.is_shown(i)) continue;
-    const ObjectSum sum = sum_of(i, clock);
-    if (sum.parts == 0 || sum.is_quiet()) continue;
-    objects.push_back(report(sum, objects_.id(i), objects_.born_us(i), clock));
-  }
-  std::ranges::sort(objects, {}, &TrackedObject::id);
-}
-
-ObjectSum Engine::sum_of(std::size_t object, const EventClock& clock) const {
-  ObjectSum sum;
-  for_each_listed(
-      clock, [&](Slot slot) { return objects_.object_of(slot, tracks_[slot]) == object; },
-      [&](Slot slot, const Track& track, const TrackState& state) {
-        sum.add(slot, track, state, clock.now());
-      });
-  return sum;
-}
-
-void Engine::read_parts(std::int64_t id, std::vector<Cluster>& clusters) const {
-  clusters.clear();
-  for (std::size_t i = 0; i < objects_.size(); ++i) {
-    if (!objects_.is_shown(i) || objects_.id(i) != id || sum_of(i, clock_).is_quiet()) continue;
-    for_each_listed(
-        clock_, [&](Slot slot) { return objects_.object_of(slot, tracks_[slot]) == i; },
-        [&](Slot slot, const Track& track, const TrackState& state) {
-          clusters.push_back(cluster_of(slot, track, state, clock_));
-        });
-  }
-  std::ranges::stable_sort(clusters, std::ranges::greater(), &Cluster::size);
 }
 
 }  // namespace asap::fast

@@ -8,6 +8,7 @@
 #include <span>
 #include <utility>
 
+#include "algorithms/fast/gate.hpp"
 #include "algorithms/fast/track.hpp"
 
 namespace asap::fast {

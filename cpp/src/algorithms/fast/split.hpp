@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "algorithms/fast/association.hpp"
+#include "algorithms/fast/gate.hpp"
 #include "algorithms/fast/time.hpp"
 #include "algorithms/fast/track.hpp"
 

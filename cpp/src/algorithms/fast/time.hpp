@@ -29,6 +29,11 @@ constexpr float age_s(Stamp now, Stamp then) noexcept {
   return 1e-6F * static_cast<float>(age_us(now, then));
 }
 
+constexpr float seconds(std::uint64_t us) noexcept { return 1e-6F * static_cast<float>(us); }
+
+// Silence after which all tracks are deleted, whatever the parameters: stamps become ambiguous.
+inline constexpr std::uint64_t kSilence_us = std::uint64_t{1} << 28;
+
 constexpr Stamp long_before(Stamp now) noexcept { return now - static_cast<Stamp>(kLongAgo_us); }
 
 class Scrubber {

@@ -1,0 +1,73 @@
+// Contour: the outline of an object as a radius per direction, in 16 bins, and the variance of the
+// events about it. The edges of an object fire unevenly, so the plain mean of its events wobbles;
+// the radial residual, distance minus radius of that direction, does not. One thread. O(1), no
+// allocation.
+// Source: own design.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "algorithms/fast/constants.hpp"
+
+namespace asap::fast {
+
+inline constexpr std::size_t kContourBins = 16;
+
+struct alignas(32) Contour {
+  static constexpr float kInitialVariance_px2 = 4;
+  static constexpr float kVarianceMemory = 64;  // events
+  static constexpr float kInitialCentreVariance = 0.05F;
+
+  std::array<float, kContourBins> radius{};
+  std::array<std::uint8_t, kContourBins> count{};
+  float variance = kInitialVariance_px2;  // px^2, of the residuals
+  float polarity = 0;                     // mean, OFF = -1, ON = 1
+  // Variance of the centre's error, as a fraction of the covariance of the events.
+  float centre_variance = kInitialCentreVariance;
+  std::uint32_t mean_events =
+      kMeanEvents;  // memory of the mean, by size; here because every event reads it
+
+  bool known(std::size_t bin) const noexcept { return count[bin] >= kKnownContourEvents; }
+
+  // Distance of an event from the outline, positive outside.
+  float residual(std::size_t bin, float distance) const noexcept { return distance - radius[bin]; }
+
+  void learn(std::size_t bin, float distance) noexcept {
+    const float outwards = residual(bin, distance);
+    const float clipped = std::clamp(outwards, -kContourClip_px, kContourClip_px);
+    if (known(bin)) variance += (clipped * clipped - variance) / kVarianceMemory;
+    count[bin] = std::min<std::uint8_t>(kContourEvents, static_cast<std::uint8_t>(count[bin] + 1));
+    radius[bin] += outwards / static_cast<float>(count[bin]);
+  }
+
+  void forget_radius() noexcept {
+    count.fill(0);
+    centre_variance = kInitialCentreVariance;
+  }
+};
+
+// The direction bin of a displacement, by table: rounded to px and clamped to +-32.
+class DirectionTable {
+ public:
+  DirectionTable();
+
+  std::size_t bin(float dx, float dy) const noexcept {
+    return bins_[index(dy) * kSide + index(dx)];
+  }
+
+ private:
+  static constexpr int kReach = 32;
+  static constexpr std::size_t kSide = 2 * kReach;
+
+  static std::size_t index(float d) noexcept {
+    constexpr float kLimit = kReach;
+    return static_cast<std::size_t>(std::clamp(d, -kLimit, kLimit - 1) + (kLimit + 0.5F));
+  }
+
+  std::array<std::uint8_t, kSide * kSide> bins_;
+};
+
+}  // namespace asap::fast

@@ -1,0 +1,125 @@
+// How a track takes an event: exponential mean and covariance with a memory in events. Once the
+// outline is known, the innovation is blended with twice the radial residual, because edges fire
+// unevenly and the plain mean wobbles with them. Where noise is common, events far from the outline
+// do not count. In contact, covariance and contour are frozen, because each track would learn the
+// other's edges. One thread, per event. Inline, O(1), no allocation.
+// Source: own design.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "algorithms/fast/track.hpp"
+
+namespace asap::fast {
+
+// 1/n for the memories of the means.
+class Reciprocals {
+ public:
+  explicit Reciprocals(std::uint32_t max) : values_(max + 1, 1.0F) {
+    for (std::uint32_t n = 1; n <= max; ++n) values_[n] = 1 / static_cast<float>(n);
+  }
+  float operator[](std::uint32_t n) const noexcept { return values_[n]; }
+
+ private:
+  std::vector<float> values_;
+};
+
+struct UpdateRule {
+  std::uint32_t mean_events = 0;   // memory of the mean; less with gamma
+  std::uint32_t contour_mask = 0;  // the contour learns events whose number has none of these bits
+  float far_weight = 1;            // weight of events far from the outline
+};
+
+// The weight of events far from the outline. If noise is rare, they belong to the object, whose
+// outline is not exact or whose motion changes. noise_hz: per pixel, of what reaches the tracks.
+inline float far_weight(float noise_hz) noexcept {
+  constexpr float kRare_hz = 0.1F;
+  constexpr float kCommon_hz = 0.5F;
+  return std::clamp((kCommon_hz - noise_hz) / (kCommon_hz - kRare_hz), 0.0F, 1.0F);
+}
+
+// The memory of the mean of an object of this size: a small one moves by its own size in the time
+// in which a large one has the events to average over.
+inline std::uint32_t size_memory(const Track& track, const UpdateRule& rule) noexcept {
+  constexpr float kPerVariance = 1.5F;  // events per px^2
+  constexpr std::uint32_t kShortest = 10;
+  const auto events = static_cast<std::uint32_t>(
+      std::min(kPerVariance * (track.sxx + track.syy), static_cast<float>(rule.mean_events)));
+  return std::max(std::min(kShortest, rule.mean_events), events);
+}
+
+// The same of a track that may be in contact: events that a neighbour causes must not pull at it.
+inline std::uint32_t mean_memory(const Track& track, const Contour& contour,
+                                 const UpdateRule& rule) noexcept {
+  return track.partners > 0 ? rule.mean_events : contour.mean_events;
+}
+
+// The weight of the plain mean, by inverse variances. Textured objects, whose events fill their
+// outline, fall back to the plain mean.
+inline float mean_weight(const Track& track, const Contour& contour) noexcept {
+  const float scatter = 2 * kMeanWeightScale * contour.variance;
+  const float spread = 0.5F * (track.sxx + track.syy) + 0.5F;
+  return std::clamp(scatter / (scatter + spread), kMinMeanWeight, 1.0F);
+}
+
+// The weight of an event by its distance from the outline: 1 up to 3 px, `far` from 6 px on.
+// Textured objects, recognised by the weight of their plain mean, have events of their own there.
+inline float event_weight(float residual, float mean_weight, float far) noexcept {
+  constexpr float kNone_px = 6;
+  constexpr float kFade_px = 3;
+  const float near = (kNone_px - std::abs(residual)) * (1 / kFade_px);
+  const float textured = 5 * mean_weight - 1.5F;
+  return std::clamp(std::max(near, textured), far, 1.0F);
+}
+
+// Takes an event without contact.
+inline void update_mean(Track& track, Contour& contour, const Innovation& nu, Stamp now, float sign,
+                        const UpdateRule& rule, const Reciprocals& reciprocals,
+                        const DirectionTable& directions) noexcept {
+  const std::uint32_t n = ++track.events;
+  const float gain = reciprocals[std::min(n, contour.mean_events)];
+  const float spread_gain = reciprocals[std::min(n, kCovarianceEvents)];
+  const float distance = length(nu.dx, nu.dy);
+  const std::size_t bin = directions.bin(nu.dx, nu.dy);
+  contour.polarity += gain * (sign - contour.polarity);
+
+  const float residual = contour.residual(bin, distance);
+  if ((n & rule.contour_mask) == 0) contour.learn(bin, distance);
+  float blend = 1;
+  if (n >= rule.mean_events && contour.known(bin) && distance > 0) {
+    const float clipped = std::clamp(residual, -kContourClip_px, kContourClip_px);
+    blend = track.mean_weight + (1 - track.mean_weight) * 2 * clipped / distance;
+    blend *= event_weight(residual, track.mean_weight, rule.far_weight);
+  }
+  track.x = nu.mean_x + gain * blend * nu.dx;
+  track.y = nu.mean_y + gain * blend * nu.dy;
+  track.stamp = now;
+  track.sxx += spread_gain * ((1 - gain) * nu.dx * nu.dx - track.sxx);
+  track.sxy += spread_gain * ((1 - gain) * nu.dx * nu.dy - track.sxy);
+  track.syy += spread_gain * ((1 - gain) * nu.dy * nu.dy - track.syy);
+}
+
+// Takes an event in contact: moves the mean alone, by the outline's residual.
+inline void update_in_contact(Track& track, Contour& contour, const Innovation& nu, Stamp now,
+                              float sign, const UpdateRule& rule, const Reciprocals& reciprocals,
+                              const DirectionTable& directions) noexcept {
+  const std::uint32_t n = ++track.events;
+  const float gain = reciprocals[std::min(n, rule.mean_events)];
+  const std::size_t bin = directions.bin(nu.dx, nu.dy);
+  contour.polarity += gain * (sign - contour.polarity);
+  float step = kContactMeanGain * gain;
+  if (contour.known(bin)) {
+    const float distance = length(nu.dx, nu.dy);
+    const float clipped =
+        std::clamp(contour.residual(bin, distance), -kContourClip_px, kContourClip_px);
+    step = distance > 0 ? std::min(1.0F, 2 * kContactGain * gain) * clipped / distance : 0;
+  }
+  track.x = nu.mean_x + step * nu.dx;
+  track.y = nu.mean_y + step * nu.dy;
+  track.stamp = now;
+}
+
+}  // namespace asap::fast
