@@ -13,8 +13,7 @@ import numpy as np
 import pytest
 
 import asap
-from asap.io.native import FORMATS, HEAD
-from asap.io.reader import Options
+from asap import _core
 
 sys.path.append(str(Path(__file__).parents[1] / "python"))
 import raw_files
@@ -80,15 +79,13 @@ def measure(benchmark, path, read):
 
 def test_decoder(benchmark, written):
     path, events = written
-    with path.open("rb") as file:
-        name = asap.read(path, **told(path)).format
-        layout = FORMATS[name](path, file.read(HEAD), Options(None, None, **told(path)))
+    opened = _core.OpenedRecording(path, asap.read(path, **told(path)).format, **told(path))
     out, piece = np.empty(COUNT, asap.EVENT_DTYPE), memoryview(bytearray(PIECE))
 
     def read():
-        decoder, filled = layout.make(layout.start), 0
+        decoder, filled = opened.decoder(opened.start), 0
         with path.open("rb", buffering=0) as file:
-            file.seek(layout.start)
+            file.seek(opened.start)
             while size := file.readinto(piece):
                 _, written = decoder.decode_into(piece[:size], out[filled:])
                 filled += written

@@ -11,7 +11,6 @@ import pytest
 import asap
 import raw_files
 from asap import _core
-from asap.events import Events
 from asap.io import CorruptFile, UnsupportedFormat
 from corrupt import clean_events
 from event_files import assert_equal_events
@@ -168,27 +167,11 @@ class TestWithoutAHeader:
             asap.read(path)
 
 
-DECODERS = {
-    "evt2": lambda: _core.Evt2Decoder(),
-    "evt21": lambda: _core.Evt21Decoder(little_endian=True),
-    "evt3": lambda: _core.Evt3Decoder(),
-    "dat": lambda: _core.DatDecoder(),
-}
-
-
-@pytest.mark.parametrize("name", DECODERS)
-class TestBindings:
-    def words(self, name: str, events: Events = EVENTS) -> bytes:
-        words: bytes = getattr(raw_files, f"{name}_words")(events).tobytes()
-        return words
-
-    def test_decode_into_says_how_far_it_came(self, name: str) -> None:
-        decoder, words = DECODERS[name](), self.words(name)
-        out = np.empty(100, asap.EVENT_DTYPE)
-        used, written = decoder.decode_into(words, out)
-        assert written == 100 and 0 < used < len(words)
-        assert_equal_events(out, EVENTS[:100])
-        rest = decoder.decode(words[used:])
-        assert_equal_events(rest, EVENTS[100:])
-        decoder.reset()
-        assert_equal_events(decoder.decode(words), EVENTS)
+def test_decode_into_says_how_far_it_came(path: Path) -> None:
+    opened = _core.OpenedRecording(path, path.stem)
+    words = path.read_bytes()[opened.start :]
+    decoder, out = opened.decoder(opened.start), np.empty(len(EVENTS), asap.EVENT_DTYPE)
+    used, written = decoder.decode_into(words, out[:100])
+    assert written == 100 and 0 < used < len(words)
+    assert decoder.decode_into(words[used:], out[100:]) == (len(words) - used, len(EVENTS) - 100)
+    assert_equal_events(out, EVENTS)

@@ -1,9 +1,14 @@
 #include "asap/formats/aedat.hpp"
 
+#include <algorithm>
 #include <bit>
+#include <fstream>
+#include <string>
+#include <vector>
 
 #include "core/check.hpp"
 #include "formats/aedat_header.hpp"
+#include "formats/opener.hpp"
 #include "formats/records.hpp"
 #include "formats/words.hpp"
 
@@ -92,8 +97,8 @@ bool are_of_a_dvs128(std::string_view records) noexcept {
 }  // namespace
 
 std::optional<Aedat2Header> read_aedat2_header(std::span<const std::byte> front) noexcept {
-  const std::string_view text(reinterpret_cast<const char*>(front.data()), front.size());
-  if (!text.starts_with("#!AER-DAT2.0")) return {};
+  const std::string_view text = text_of(front);
+  if (!Aedat2Decoder::begins(front)) return {};
   std::string_view device;  // the chip's class is better than the camera's name
   bool is_chip = false;
   std::size_t at = 0;
@@ -116,6 +121,119 @@ std::optional<Aedat2Header> read_aedat2_header(std::span<const std::byte> front)
     header.chip = is_dvs128 ? Aedat2Chip::dvs128 : Aedat2Chip::unnamed;
   }
   return header;
+}
+
+// ---- opening ----
+
+namespace {
+
+struct KnownSize {
+  int width, height;
+  std::string_view name;
+  Aedat2Chip chip;
+};
+
+constexpr KnownSize kSizes[] = {
+    {240, 180, "davis", Aedat2Chip::davis},      {346, 260, "davis", Aedat2Chip::davis},
+    {208, 192, "davis", Aedat2Chip::davis},      {640, 480, "dvs640", Aedat2Chip::dvs640},
+    {1280, 720, "dvs1280", Aedat2Chip::dvs1280}, {128, 128, "davis", Aedat2Chip::davis},
+};  // a DVS128 is known by its addresses
+
+// Of the size alone: 640 x 480 is a DVXplorer where the addresses are too long for a DVS640.
+Aedat2Chip chip_of_size(int width, int height, std::span<const std::byte> records) noexcept {
+  const auto* const known = std::ranges::find_if(
+      kSizes, [&](const KnownSize& size) { return size.width == width && size.height == height; });
+  if (known == std::end(kSizes)) return Aedat2Chip::unnamed;
+  if (known->chip != Aedat2Chip::dvs640) return known->chip;
+  std::size_t longer = 0;
+  for (std::size_t at = 0; at + 8 <= records.size(); at += 8) {
+    longer += load_big<std::uint32_t>(records.data() + at) >> 21 != 0;
+  }
+  return 2 * longer > records.size() / 8 ? Aedat2Chip::davis : Aedat2Chip::dvs640;
+}
+
+// The numbers of the cameras that have events; reads the whole file.
+std::vector<std::uint32_t> cameras_in(const RecordingFile& file, std::uint64_t start,
+                                      Aedat2Chip chip, std::uint32_t bits) {
+  const std::uint32_t no_event = chip == Aedat2Chip::davis ? 0x8000'0400 : 0x8000'8000 & ~bits;
+  std::vector<bool> seen(std::size_t{1} << std::popcount(bits));
+  std::ifstream in(file.path, std::ios::binary);
+  in.seekg(static_cast<std::streamoff>(start));
+  std::vector<char> piece(1 << 20);
+  while (in.read(piece.data(), std::ssize(piece)), in.gcount() > 0) {
+    for (std::ptrdiff_t at = 0; at + 8 <= in.gcount(); at += 8) {
+      const std::uint32_t address =
+          load_big<std::uint32_t>(reinterpret_cast<const std::byte*>(piece.data() + at));
+      if ((address & no_event) == 0) seen[(address & bits) >> shift_of(bits)] = true;
+    }
+  }
+  std::vector<std::uint32_t> cameras;
+  for (std::uint32_t i = 0; i < seen.size(); ++i) {
+    if (seen[i]) cameras.push_back(i);
+  }
+  if (cameras.empty()) cameras.push_back(0);
+  return cameras;
+}
+
+}  // namespace
+
+bool Aedat2Decoder::begins(std::span<const std::byte> front) noexcept {
+  return text_of(front).starts_with("#!AER-DAT2.0");
+}
+
+OpenedRecording Aedat2Decoder::open(const RecordingFile& file) {
+  constexpr std::uint32_t kRightOfTwo = 0x8000;  // marks the right one of a stereo pair
+  const auto header = read_aedat2_header(file.front);
+  if (!header) file.corrupt("no whole header of AEDAT 2.0");
+  Aedat2Config config{.chip = header->chip,
+                      .width = header->width > 0 ? header->width : file.config.width,
+                      .height = header->height > 0 ? header->height : file.config.height,
+                      .camera_bits = header->camera_bits};
+  if (config.chip == Aedat2Chip::other) {
+    file.unsupported(
+        "AEDAT 2.0 is read of a DAVIS, a DVXplorer, a DVS128, a DVS640 or a DVS1280x720SD; the "
+        "header names another chip");
+  }
+  if (config.chip == Aedat2Chip::dvs128 && header->width == 0) {  // so say its addresses
+    if (config.width == 0) config.width = 128;
+    if (config.height == 0) config.height = 128;
+    if (config.width != 128 || config.height != 128) config.chip = Aedat2Chip::unnamed;
+  }
+  if (config.chip == Aedat2Chip::unnamed) {
+    config.chip = chip_of_size(config.width, config.height, file.front.subspan(header->size));
+  }
+  if (config.chip == Aedat2Chip::unnamed || config.width == 0 || config.height == 0) {
+    std::string known;
+    for (const KnownSize& size : kSizes) {
+      known.append(known.empty() ? "" : ", ")
+          .append(std::to_string(size.width) + " x " + std::to_string(size.height) + " (")
+          .append(size.name)
+          .append(")");
+    }
+    file.unsupported(
+        "the header of this AEDAT 2.0 file does not say which chip it is of, and the layout of its "
+        "addresses depends on it; give width and height, one of " +
+        known);
+  }
+  OpenedRecording opened{.start = header->size, .width = config.width, .height = config.height};
+  const auto add = [&](const std::string& name) {
+    opened.streams.push_back({name, name, config.width, config.height});
+  };
+  std::vector<std::uint32_t> cameras{0};
+  if (config.camera_bits == kRightOfTwo) {
+    cameras = {0, 1};
+    add("left");
+    add("right");
+  } else if (config.camera_bits != 0) {
+    cameras = cameras_in(file, header->size, config.chip, config.camera_bits);
+    for (const std::uint32_t camera : cameras) add(std::to_string(camera));
+  }
+  opened.make = [config, cameras](std::uint64_t, std::size_t stream) {
+    Aedat2Config its = config;
+    its.camera = cameras.at(stream);
+    return Aedat2Decoder(its);
+  };
+  return opened;
 }
 
 Aedat2Decoder::Aedat2Decoder(const Aedat2Config& config) : NativeDecoder(config) {

@@ -1,7 +1,16 @@
 #include "asap/formats/aedat.hpp"
 
+#include <array>
+#include <charconv>
+#include <fstream>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
 #include "core/check.hpp"
 #include "formats/aedat_header.hpp"
+#include "formats/opener.hpp"
 #include "formats/records.hpp"
 #include "formats/words.hpp"
 
@@ -83,8 +92,8 @@ bool is_possible(const PacketHeader& header) noexcept {
 }  // namespace
 
 std::optional<Aedat3Header> read_aedat3_header(std::span<const std::byte> front) noexcept {
-  const std::string_view text(reinterpret_cast<const char*>(front.data()), front.size());
-  if (!text.starts_with("#!AER-DAT3.1")) return {};
+  const std::string_view text = text_of(front);
+  if (!Aedat3Decoder::begins(front)) return {};
   Aedat3Header header{.size = 0, .raw = true, .sources = 0, .width = 0, .height = 0};
   while (true) {
     const std::optional<std::string_view> line = aedat_line(text.substr(header.size));
@@ -98,6 +107,75 @@ std::optional<Aedat3Header> read_aedat3_header(std::span<const std::byte> front)
       header.height = sensor.height;
     }
   }
+}
+
+// ---- opening ----
+
+namespace {
+
+// What the lines "#Source 1: DAVIS346" call the cameras.
+std::map<int, std::string> named_sources(std::string_view header) {
+  constexpr std::string_view kKey = "#Source ";
+  std::map<int, std::string> names;
+  for (std::size_t at = 0; at < header.size();) {
+    const std::string_view line = header.substr(at, header.find('\n', at) - at);
+    at += line.size() + 1;
+    const std::size_t colon = line.find(':');
+    if (!line.starts_with(kKey) || colon == line.npos) continue;
+    int number = 0;
+    const auto* const end = line.data() + colon;
+    if (std::from_chars(line.data() + kKey.size(), end, number).ptr != end) continue;
+    const std::size_t from = line.find_first_not_of(' ', colon + 1);
+    const std::size_t last = line.find_last_not_of(" \r");
+    names[number] = from == line.npos ? "" : line.substr(from, last + 1 - from);
+  }
+  return names;
+}
+
+// The cameras that have events, by the headers of whole packets.
+std::set<int> sources_in(const std::filesystem::path& path, std::size_t start) {
+  std::set<int> found;
+  std::ifstream file(path, std::ios::binary);
+  file.seekg(static_cast<std::streamoff>(start));
+  std::array<std::byte, 28> head;
+  while (file.read(reinterpret_cast<char*>(head.data()), head.size())) {
+    const PacketHeader packet = read_packet_header(head.data());
+    if (packet.event_size < 0 || packet.events < 0 || packet.events > packet.capacity) break;
+    if (packet.type == kPolarity && packet.events > 0) found.insert(packet.source);
+    file.seekg(std::streamoff{packet.event_size} * packet.events, std::ios::cur);
+  }
+  return found;
+}
+
+}  // namespace
+
+bool Aedat3Decoder::begins(std::span<const std::byte> front) noexcept {
+  return text_of(front).starts_with("#!AER-DAT3.1");
+}
+
+OpenedRecording Aedat3Decoder::open(const RecordingFile& file) {
+  const auto header = read_aedat3_header(file.front);
+  if (!header) file.corrupt("no whole header of AEDAT 3.1: '#!END-HEADER' is missing");
+  if (!header->raw) file.unsupported("compressed AEDAT 3.1 is not read; '#Format: RAW' is");
+  const std::map<int, std::string> names = named_sources(text_of(file.front.first(header->size)));
+  const std::set<int> found = sources_in(file.path, header->size);
+  OpenedRecording opened{.start = header->size, .width = header->width, .height = header->height};
+  std::vector<int> sources{-1};
+  if (found.size() > 1) {
+    sources.assign(found.begin(), found.end());
+    for (const int source : sources) {
+      const auto named = names.find(source);
+      const bool has_size = named != names.end() && named->second == names.begin()->second;
+      const std::string number = std::to_string(source);
+      const std::string name = named == names.end() ? "not named" : named->second;
+      opened.streams.push_back({number, number + " (" + name + ")", has_size ? header->width : 0,
+                                has_size ? header->height : 0});
+    }
+  }
+  opened.make = [sources](std::uint64_t at, std::size_t stream) {
+    return Aedat3Decoder({.source = sources.at(stream), .first_offset = at});
+  };
+  return opened;
 }
 
 Aedat3Decoder::Aedat3Decoder(const Aedat3Config& config)

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string_view>
 
 #include "asap/formats/aedat.hpp"
@@ -20,6 +21,10 @@ struct AedatSensor {
 // The sensor whose name stands in `device`, in whatever case, such as "DAVIS FX2" or the name of a
 // class of jAER.
 AedatSensor aedat_sensor(std::string_view device) noexcept;
+
+inline std::string_view text_of(std::span<const std::byte> bytes) noexcept {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
 
 // The first line of `text` with its end, which is empty where the line is none: it does not begin
 // with '#', or holds what no text does, as a record that begins with '#' (0x23). Nothing where

@@ -1,5 +1,10 @@
 #include "asap/formats/atis.hpp"
 
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "formats/opener.hpp"
 #include "formats/records.hpp"
 #include "formats/words.hpp"
 
@@ -36,6 +41,38 @@ std::size_t Atis40Decoder::decode_bytes(std::span<const std::byte> bytes, Output
   const std::size_t used = records::decode_records(format, cut_, bytes, out);
   marked_us_ = format.marked_us;
   return used;
+}
+
+// Nothing in such bytes says it: the name of the file or the user does.
+bool Atis40Decoder::begins(std::span<const std::byte>) noexcept { return false; }
+
+// Says what speaks against 40-bit events: length, times, rows.
+OpenedRecording Atis40Decoder::open(const RecordingFile& file) {
+  constexpr std::size_t kMinBack = 8;  // steps back in time, and a quarter of all: no recording
+  std::vector<Event> events;
+  Atis40Decoder().decode(file.front, events);
+  std::size_t back = 0;
+  for (std::size_t i = 1; i < events.size(); ++i) back += events[i].t < events[i - 1].t;
+  const auto below =
+      std::ranges::count_if(events, [](const Event& event) { return event.y >= Atis40::kMarkRow; });
+  const std::string count = std::to_string(events.size());
+  if (back > std::max(events.size() / 4, kMinBack)) {
+    file.corrupt("no 40-bit events: the time goes back " + std::to_string(back) + " times in " +
+                 count + "; if it is another format, name it with file_format");
+  }
+  constexpr const char* kDoubted = "40-bit events, which nothing in such a file confirms, but ";
+  std::string doubt;
+  const auto add = [&](bool doubtful, const std::string& words) {
+    if (doubtful) doubt += (doubt.empty() ? kDoubted : " and ") + words;
+  };
+  add(file.size % Atis40::kRecord != 0,
+      "its " + std::to_string(file.size) + " bytes are no multiple of 5");
+  add(back * 20 > events.size(),
+      "the time goes back " + std::to_string(back) + " times in " + count + " events");
+  add(below > 0, std::to_string(below) + " of " + count + " events lie below its 240 rows");
+  return {.event_bytes = Atis40::kRecord, .doubt = doubt, .make = [](std::uint64_t, std::size_t) {
+            return Atis40Decoder();
+          }};
 }
 
 template class NativeDecoder<Atis40Decoder, Atis40Config, 5>;

@@ -1,6 +1,7 @@
 #include "asap/formats/prophesee.hpp"
 
 #include "core/check.hpp"
+#include "formats/opener.hpp"
 #include "formats/words.hpp"
 
 namespace asap {
@@ -24,6 +25,10 @@ int version_of(std::span<const std::byte> events) noexcept {
   return all != 0 && all >> 18 == 0 ? 1 : 2;
 }
 
+bool is_of_pixels(const DatHeader& header) noexcept {
+  return (header.type == 0 || header.type == 12) && header.event_size == kDatEvent;
+}
+
 }  // namespace
 
 std::optional<DatHeader> read_dat_header(std::span<const std::byte> bytes) noexcept {
@@ -41,6 +46,36 @@ std::optional<DatHeader> read_dat_header(std::span<const std::byte> bytes) noexc
   if (header.type == '%') return std::nullopt;  // a header line that is cut
   if (header.version < 0) header.version = version_of(bytes.subspan(header.size));
   return header;
+}
+
+bool DatDecoder::begins(std::span<const std::byte> front) noexcept {
+  const auto text = read_raw_header(front);
+  if (!text || text->words != RawHeader::Words::unknown) return false;
+  const auto header = read_dat_header(front);
+  return text->is_dat || (header && is_of_pixels(*header));
+}
+
+OpenedRecording DatDecoder::open(const RecordingFile& file) {
+  const auto header = read_dat_header(file.front);
+  if (!header) file.corrupt("no header of text lines with type and size of an event");
+  const int type = header->type, version = header->version;
+  if (!is_of_pixels(*header)) {
+    file.unsupported("DAT with events of type " + std::to_string(type) + " and " +
+                     std::to_string(header->event_size) +
+                     " bytes: only the types 0 and 12 of 8 bytes are events of pixels");
+  }
+  if (version != 1 && version != 2) {
+    file.unsupported("DAT of version " + std::to_string(version) + "; what is read: 1 and 2");
+  }
+  return {.start = header->size,
+          .width = header->width,
+          .height = header->height,
+          .make = [=](std::uint64_t at,
+                      std::size_t) { return DatDecoder({.version = version, .first_offset = at}); },
+          .entry = [](std::span<const std::byte> piece) -> std::optional<Entry> {
+            if (piece.size() < kDatEvent) return std::nullopt;
+            return Entry{0, load_little<std::uint32_t>(piece.data())};
+          }};
 }
 
 DatDecoder::DatDecoder(DatConfig config) : NativeDecoder(config, config.first_offset) {

@@ -4,12 +4,15 @@
 #include <string_view>
 
 #include "core/check.hpp"
+#include "formats/opener.hpp"
 #include "formats/records.hpp"
 #include "formats/words.hpp"
 
 namespace asap {
 
 namespace {
+
+constexpr std::string_view kSignature = "Event Stream";
 
 struct EventStream1 {
   static constexpr std::size_t kRecord = 3;
@@ -65,11 +68,9 @@ EventStreamHeader::Type type_of(int version, unsigned byte) noexcept {
 
 std::optional<EventStreamHeader> read_event_stream_header(
     std::span<const std::byte> front) noexcept {
-  static constexpr std::string_view kSignature = "Event Stream";
   constexpr std::size_t kAt = kSignature.size();
   const auto byte = [&](std::size_t at) { return std::to_integer<unsigned>(front[at]); };
-  if (front.size() < kAt + 3) return {};
-  if (std::memcmp(front.data(), kSignature.data(), kAt) != 0) return {};
+  if (front.size() < kAt + 3 || !EventStreamDecoder::begins(front)) return {};
   if (byte(kAt) == 1) {
     return EventStreamHeader{kAt + 3, 1, type_of(1, byte(kAt + 2)), 0, 0};
   }
@@ -86,6 +87,34 @@ std::optional<EventStreamHeader> read_event_stream_header(
     header.height = side(kAt + 6);
   }
   return header;
+}
+
+bool EventStreamDecoder::begins(std::span<const std::byte> front) noexcept {
+  return front.size() >= kSignature.size() &&
+         std::memcmp(front.data(), kSignature.data(), kSignature.size()) == 0;
+}
+
+OpenedRecording EventStreamDecoder::open(const RecordingFile& file) {
+  const auto header = read_event_stream_header(file.front);
+  if (!header) file.corrupt("no whole header of Event Stream 1 or 2");
+  if (header->type != EventStreamHeader::Type::dvs) {
+    static constexpr std::array kTypes{"generic", "dvs", "atis", "display", "color", "unknown"};
+    file.unsupported(std::string("Event Stream of type ") +
+                     kTypes[static_cast<std::size_t>(header->type)] + " is not read; type dvs is");
+  }
+  const int height = header->height > 0 ? header->height : file.config.height;
+  if (height == 0) {
+    file.unsupported(
+        "this Event Stream does not state the height of its sensor, and its rows count from the "
+        "bottom; give height in px, 240 for an ATIS");
+  }
+  return {.start = header->size,
+          .width = header->width,
+          .height = height,
+          .event_bytes = 5,
+          .make = [=, version = header->version](std::uint64_t, std::size_t) {
+            return EventStreamDecoder({.version = version, .height = height});
+          }};
 }
 
 EventStreamDecoder::EventStreamDecoder(const EventStreamConfig& config) : NativeDecoder(config) {

@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <charconv>
 #include <string_view>
+#include <type_traits>
+
+#include "formats/opener.hpp"
+#include "formats/words.hpp"
 
 namespace asap {
 
@@ -116,6 +120,76 @@ std::optional<RawHeader> read_raw_header(std::span<const std::byte> bytes) noexc
     header.height = sensor.height;
   }
   return header;
+}
+
+// ---- evt2, evt21, evt3: words after a header, or without one where the user names them ----------
+
+namespace {
+
+bool begins_with(RawHeader::Words words, std::span<const std::byte> front) noexcept {
+  const auto header = read_raw_header(front);
+  return header && header->words == words;
+}
+
+template <class Decoder>
+OpenedRecording open_words(const RecordingFile& file, RawHeader::Words words) {
+  const RawHeader header = read_raw_header(file.front).value_or(RawHeader{});
+  if (header.words != RawHeader::Words::unknown && header.words != words) {
+    file.corrupt("the header names another encoding than " + std::string(Decoder::kFormat));
+  }
+  return {.start = header.size,
+          .width = header.width,
+          .height = header.height,
+          .event_bytes = words == RawHeader::Words::evt21 ? 8u : 4u,
+          .make = [=](std::uint64_t at, std::size_t) -> RecordingDecoder {
+            if constexpr (std::is_same_v<Decoder, Evt21Decoder>) {
+              return Evt21Decoder({.little_endian = header.little_endian, .first_offset = at});
+            } else {
+              return Decoder({.first_offset = at});
+            }
+          }};
+}
+
+// The first TIME_HIGH among words of kSize times 32 bits, whose upper one is the kUpper-th.
+template <std::size_t kSize, std::size_t kUpper>
+std::optional<Entry> first_time_high(std::span<const std::byte> piece) {
+  constexpr std::size_t kWord = 4 * kSize;
+  for (std::size_t at = 0; at + kWord <= piece.size(); at += kWord) {
+    const auto word = load_little<std::uint32_t>(piece.data() + at + 4 * kUpper);
+    if (word >> 28 == 8) return Entry{at, std::int64_t{word & 0xfff'ffff} << 6};
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+bool Evt2Decoder::begins(std::span<const std::byte> front) noexcept {
+  return begins_with(RawHeader::Words::evt2, front);
+}
+
+OpenedRecording Evt2Decoder::open(const RecordingFile& file) {
+  OpenedRecording opened = open_words<Evt2Decoder>(file, RawHeader::Words::evt2);
+  opened.entry = &first_time_high<1, 0>;
+  return opened;
+}
+
+bool Evt21Decoder::begins(std::span<const std::byte> front) noexcept {
+  return begins_with(RawHeader::Words::evt21, front);
+}
+
+OpenedRecording Evt21Decoder::open(const RecordingFile& file) {
+  OpenedRecording opened = open_words<Evt21Decoder>(file, RawHeader::Words::evt21);
+  const auto header = read_raw_header(file.front);
+  opened.entry = header && header->little_endian ? &first_time_high<2, 1> : &first_time_high<2, 0>;
+  return opened;
+}
+
+bool Evt3Decoder::begins(std::span<const std::byte> front) noexcept {
+  return begins_with(RawHeader::Words::evt3, front);
+}
+
+OpenedRecording Evt3Decoder::open(const RecordingFile& file) {
+  return open_words<Evt3Decoder>(file, RawHeader::Words::evt3);
 }
 
 }  // namespace asap

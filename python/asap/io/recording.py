@@ -19,7 +19,7 @@ from asap._foreign import HEAD, unit_doubt
 from asap._order import sorted_within, within
 from asap.events import Events, plain_view
 from asap.io.errors import LossWarning, NoGoodEvent
-from asap.io.native import FORMATS, NativeReader
+from asap.io.native import NativeReader
 from asap.io.parts import PartsReader
 from asap.io.reader import Losses, Options, Reader, Room, gathered, new_room
 from asap.io.sniff import format_of, parts_of
@@ -42,7 +42,7 @@ _READERS: dict[str, Callable[..., Reader]] = {
     "text": _late("text", "TextReader"),
     "csv": _late("text", "TextReader"),
     "aedat4": _late("aedat4", "Aedat4Reader"),
-    **{name: partial(NativeReader, name) for name in FORMATS},
+    **{name: partial(NativeReader, name) for name in _core.RECORDING_FORMATS},
     "hdf5": _late("hdf5", "Hdf5Reader"),
     "matlab": _late("matlab", "MatlabReader"),
     **{name: partial(_late("ros", "RosReader"), name) for name in _BAGS},

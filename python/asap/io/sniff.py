@@ -23,9 +23,6 @@ _SERVED_BYTES = (
     (b"PK\x03\x04", "npz"),
     (b"PK\x05\x06", "npz"),
     (b"#!AER-DAT4.0", "aedat4"),
-    (b"#!AER-DAT2.0", "aedat2"),
-    (b"#!AER-DAT3.1", "aedat3"),
-    (b"Event Stream", "es"),
     (b"\x89HDF\r\n\x1a\n", "hdf5"),
     (b"MATLAB 7.3", "hdf5"),
     (b"MATLAB 5.0", "matlab"),
@@ -90,8 +87,6 @@ def sniff(path: Path) -> str:
     words = _that_begins(head, _REFUSED_BYTES) or _that_begins(_plain(head), _REFUSED_TEXT)
     if words is not None:
         raise UnsupportedFormat(f"{path}: {words}")
-    if (encoding := _prophesee(head)) is not None:
-        return encoding
     if path.suffix.lower() == ".dat" and _is_header(head):
         raise CorruptFile(path, len(head), "the file ends inside its header")
     if any(mark in head for mark in _PROPHESEE_HEADER):
@@ -134,7 +129,7 @@ def format_of(path: Path, file_format: str | None, known: Collection[str]) -> st
 
 def stated(head: bytes) -> str | None:
     """Return the format whose mark a file begins with, None if it begins with none."""
-    return _that_begins(head, _SERVED_BYTES)
+    return _that_begins(head, _SERVED_BYTES) or _core.recording_format(head) or None
 
 
 def first_bytes(path: Path) -> bytes:
@@ -183,18 +178,9 @@ def _remedy(suffix: str, head: bytes) -> str:
     if suffix != ".raw":
         return ""
     lack = "its header has no line '% evt' or '% format'"
-    if _core.read_raw_header(head) is None:
+    if not head.startswith(b"% "):
         lack = "it has no header"
     return f": {lack}; name the encoding, such as file_format='evt3' (or evt2, evt21)"
-
-
-def _prophesee(head: bytes) -> str | None:
-    header = _core.read_raw_header(head)
-    if header is None:
-        return None
-    if header["words"]:
-        return str(header["words"])
-    return "dat" if header["is_dat"] or _core.read_dat_header(head) is not None else None
 
 
 def _unsupported(path: Path, name: str, remedy: str = "") -> UnsupportedFormat:

@@ -8,6 +8,8 @@
 #include <stdexcept>
 #include <string>
 #include <system_error>
+#include <utility>
+#include <vector>
 
 #include "asap/formats/encoder.hpp"
 #include "formats/decoding.hpp"
@@ -83,6 +85,21 @@ TEST(RecordingSource, PicksTheDecoderByTheFile) {
   }
 }
 
+// Packets of one event, at this time, from each of the cameras.
+Bytes aedat3_of(const std::vector<std::pair<unsigned, std::uint64_t>>& cameras_and_times) {
+  Bytes bytes;
+  decoding::append(bytes,
+                   "#!AER-DAT3.1\r\n#Format: RAW\r\n#Source 1: DAVIS346\r\n"
+                   "#!END-HEADER\r\n");
+  for (const auto& [camera, time] : cameras_and_times) {
+    for (const std::uint64_t field : {camera << 16 | 1u, 8u, 4u, 0u, 1u, 1u, 1u}) {
+      decoding::append_little(bytes, field, 4);
+    }
+    decoding::append_little(bytes, time << 32 | 7, 8);
+  }
+  return bytes;
+}
+
 TEST(RecordingSource, ReadsAedat) {
   Bytes dvs128;
   decoding::append(dvs128, "#!AER-DAT2.0\r\n# AEChip: eu.seebetter.DVS128\r\n");
@@ -92,28 +109,64 @@ TEST(RecordingSource, ReadsAedat) {
   RecordingSource from_jaer(second.path);
   EXPECT_EQ(read_all(from_jaer).at(0).t, 77);
 
-  Bytes packet;
-  decoding::append(packet, "#!AER-DAT3.1\r\n#Format: RAW\r\n#!END-HEADER\r\n");
-  for (const std::uint64_t field : {1u << 16 | 1u, 8u, 4u, 0u, 1u, 1u, 1u}) {
-    decoding::append_little(packet, field, 4);
-  }
-  decoding::append_little(packet, std::uint64_t{88} << 32 | 7, 8);
-  const File third("davis.aedat", packet);
+  const File third("davis.aedat", aedat3_of({{1, 88}}));
   RecordingSource from_caer(third.path);
   EXPECT_EQ(read_all(from_caer).at(0).t, 88);
 }
 
-TEST(RecordingSource, RefusesAedatOfSeveralCamerasOrOfNoKnownSensor) {
-  for (const std::string_view header :
-       {"#!AER-DAT2.0\r\n# AEChip: MultiDAVIS346BCameraChip\r\n",
-        "#!AER-DAT2.0\r\n# HardwareInterface: DAVIS FX2\r\n",
-        "#!AER-DAT3.1\r\n#Source 1: DAVIS346\r\n#Source 2: DVS128\r\n#!END-HEADER\r\n"}) {
+// Whatever a Python user is refused, a C++ user is: header, bytes behind it, words of the refusal.
+TEST(RecordingSource, RefusesWhatHasNoDecoderByFileAndFault) {
+  const std::string dat = "% Data file containing events.\n% Version ";
+  const struct {
+    std::string front;
+    std::string words;
+  } refused[] = {
+      {"#!AER-DAT2.0\r\n# HardwareInterface: DAVIS FX2\r\n", "AEDAT 2.0"},
+      {"#!AER-DAT3.1\r\n#Format: SerializedTS\r\n#!END-HEADER\r\n", "compressed AEDAT 3.1"},
+      {dat + "2\n\x0e\x08", "DAT with events of type 14"},
+      {dat + "5\n\x0c\x08", "DAT of version 5"},
+      {std::string("Event Stream\1\0\0", 15), "height"},
+      {std::string("Event Stream\2\0\0\2\1\0\1\0", 20), "type atis"},
+  };
+  for (const auto& [front, words] : refused) {
     Bytes bytes;
-    decoding::append(bytes, header);
+    decoding::append(bytes, front);
     decoding::append_big(bytes, std::uint64_t{5} << 22, 8);
-    const File file("cameras.aedat", bytes);
-    EXPECT_THROW(RecordingSource{file.path}, std::exception) << header;
+    const File file("refused", bytes);
+    const std::string error = test::error_of([&] { RecordingSource{file.path}; });
+    EXPECT_EQ(error.rfind("path = " + file.path.string(), 0), 0u) << error;
+    EXPECT_NE(error.find(words), error.npos) << error;
   }
+}
+
+TEST(RecordingSource, ReadsOneOfSeveralCamerasByItsName) {
+  const File file("cameras.aedat", aedat3_of({{1, 100}, {2, 40}, {1, 120}}));
+  EXPECT_NE(test::error_of([&] { RecordingSource{file.path}; }).find("1 (DAVIS346), 2 (not named)"),
+            std::string::npos);
+  RecordingConfig config;
+  config.stream = "2";
+  RecordingSource second(file.path, config);
+  EXPECT_EQ(second.width(), 0);
+  EXPECT_EQ(read_all(second).at(0).t, 40);
+  config.stream = "1";
+  RecordingSource first(file.path, config);
+  EXPECT_EQ(first.width(), 346);
+  EXPECT_EQ(read_all(first).size(), 2u);
+}
+
+TEST(RecordingSource, TakesWhatTheFileDoesNotSay) {
+  Bytes bytes;
+  decoding::append(bytes, std::string("Event Stream\1\0\0", 15));
+  decoding::append_little(bytes, 1, 3);  // x 0, lowest row
+  const File file("rows.es", bytes);
+  RecordingConfig config;
+  config.height = 128;
+  RecordingSource recording(file.path, config);
+  EXPECT_EQ(read_all(recording).at(0).y, 127);
+  EXPECT_EQ(recording.height(), 128);
+  const File words("words.raw", Bytes(100));
+  config.format = "evt3";
+  EXPECT_NO_THROW((RecordingSource{words.path, config}));
 }
 
 TEST(RecordingSource, SaysThatTheFileIsCut) {

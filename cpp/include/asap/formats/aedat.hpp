@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string_view>
 
 #include "asap/core/event.hpp"
 #include "asap/formats/decoder.hpp"
@@ -57,6 +58,9 @@ struct Aedat2Config {
 class Aedat2Decoder : public NativeDecoder<Aedat2Decoder, Aedat2Config, 8> {
  public:
   static constexpr std::size_t kMaxPerRecord = 1;
+  static constexpr std::string_view kFormat = "aedat2";
+  static bool begins(std::span<const std::byte> front) noexcept;
+  static OpenedRecording open(const RecordingFile& file);
 
   explicit Aedat2Decoder(const Aedat2Config& config = {});
 
@@ -104,6 +108,9 @@ struct Aedat3Config {
 class Aedat3Decoder : public NativeDecoder<Aedat3Decoder, Aedat3Config, 28> {
  public:
   static constexpr std::size_t kMaxPerRecord = 1;
+  static constexpr std::string_view kFormat = "aedat3";
+  static bool begins(std::span<const std::byte> front) noexcept;
+  static OpenedRecording open(const RecordingFile& file);
 
   explicit Aedat3Decoder(const Aedat3Config& config = {});
 

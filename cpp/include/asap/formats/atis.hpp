@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string_view>
 
 #include "asap/core/event.hpp"
 #include "asap/formats/decoder.hpp"
@@ -48,6 +49,9 @@ struct EventStreamConfig {
 class EventStreamDecoder : public NativeDecoder<EventStreamDecoder, EventStreamConfig, 5> {
  public:
   static constexpr std::size_t kMaxPerRecord = 1;
+  static constexpr std::string_view kFormat = "es";
+  static bool begins(std::span<const std::byte> front) noexcept;
+  static OpenedRecording open(const RecordingFile& file);
 
   explicit EventStreamDecoder(const EventStreamConfig& config);
 
@@ -79,6 +83,9 @@ struct Atis40Config {
 class Atis40Decoder : public NativeDecoder<Atis40Decoder, Atis40Config, 5> {
  public:
   static constexpr std::size_t kMaxPerRecord = 1;
+  static constexpr std::string_view kFormat = "atis40";
+  static bool begins(std::span<const std::byte> front) noexcept;
+  static OpenedRecording open(const RecordingFile& file);
 
   explicit Atis40Decoder(const Atis40Config& config = {}) noexcept : NativeDecoder(config) {}
 

@@ -17,6 +17,8 @@
 namespace asap {
 
 struct Output;
+struct RecordingFile;
+struct OpenedRecording;
 
 // What one call of decode() consumed and wrote.
 struct Progress {

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string_view>
 
 #include "asap/core/event.hpp"
 #include "asap/formats/decoder.hpp"
@@ -70,6 +71,9 @@ class Evt2Words : public NativeDecoder<Decoder, Config, kRecord> {
 class Evt2Decoder : public Evt2Words<Evt2Decoder, Evt2Config, 4> {
  public:
   static constexpr std::size_t kMaxPerRecord = 1;  // events that one word can give
+  static constexpr std::string_view kFormat = "evt2";
+  static bool begins(std::span<const std::byte> front) noexcept;
+  static OpenedRecording open(const RecordingFile& file);
 
   explicit Evt2Decoder(Evt2Config config = {}) noexcept : Evt2Words(config, config.first_offset) {}
 
@@ -98,6 +102,9 @@ struct Evt21Config {
 class Evt21Decoder : public Evt2Words<Evt21Decoder, Evt21Config, 8> {
  public:
   static constexpr std::size_t kMaxPerRecord = 32;  // events that one word can give
+  static constexpr std::string_view kFormat = "evt21";
+  static bool begins(std::span<const std::byte> front) noexcept;
+  static OpenedRecording open(const RecordingFile& file);
 
   explicit Evt21Decoder(Evt21Config config = {}) noexcept
       : Evt2Words(config, config.first_offset) {}
@@ -131,6 +138,9 @@ struct Evt3Config {
 class Evt3Decoder : public NativeDecoder<Evt3Decoder, Evt3Config, 2> {
  public:
   static constexpr std::size_t kMaxPerRecord = 12;  // events that one word can give
+  static constexpr std::string_view kFormat = "evt3";
+  static bool begins(std::span<const std::byte> front) noexcept;
+  static OpenedRecording open(const RecordingFile& file);
 
   explicit Evt3Decoder(Evt3Config config = {}) noexcept
       : NativeDecoder(config, config.first_offset) {}
@@ -191,6 +201,9 @@ std::optional<DatHeader> read_dat_header(std::span<const std::byte> bytes) noexc
 class DatDecoder : public NativeDecoder<DatDecoder, DatConfig, 8> {
  public:
   static constexpr std::size_t kMaxPerRecord = 1;  // events
+  static constexpr std::string_view kFormat = "dat";
+  static bool begins(std::span<const std::byte> front) noexcept;
+  static OpenedRecording open(const RecordingFile& file);
 
   explicit DatDecoder(DatConfig config = {});
 

@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <string>
 
 #include "asap/core/event.hpp"
 #include "asap/formats/text.hpp"
@@ -21,12 +22,15 @@ namespace asap {
 struct RecordingConfig {
   TextConfig text{};                               // columns and unit of a .csv or .txt file
   std::size_t chunk_bytes = std::size_t{1} << 18;  // of the file, read at once
+  std::string format{};                            // "evt3", "atis40"...; empty: told by the file
+  int width = 0, height = 0;                       // px, where the file does not say
+  std::string stream{};                            // camera, where the file holds several
 };
 
 class RecordingSource final : public EventSource {
  public:
   // Opens the file and reads its header. Throws std::system_error where it cannot be read, and
-  // std::invalid_argument where the format is not known or has no decoder.
+  // std::invalid_argument, with the file's path and format, where it has no decoder.
   explicit RecordingSource(const std::filesystem::path& path, RecordingConfig config = {});
   ~RecordingSource() override;
 
@@ -34,7 +38,7 @@ class RecordingSource final : public EventSource {
   [[nodiscard]] EventSpan next() override;
   void cancel() noexcept override;
 
-  // Size of the sensor in px; 0 where the file does not say.
+  // Size of the sensor in px; 0 where neither file nor configuration says.
   int width() const noexcept;
   int height() const noexcept;
 
