@@ -23,7 +23,7 @@ EVENTS = corrupt.clean_events(3000)
 SENSOR = {"width": corrupt.WIDTH, "height": corrupt.HEIGHT}
 HDF5 = ("dsec", "metavision")
 STATE_THE_SENSOR = ("npz", "es", "dat", "evt2", "evt3", "aedat4", "mcap", *HDF5)
-LIBRARIES = {"aedat4": "lz4", "mcap": "rosbags", **dict.fromkeys(HDF5, "h5py")}
+LIBRARIES = {"aedat4": "lz4", "mcap": "mcap", **dict.fromkeys(HDF5, "h5py")}
 IN_PACKETS = ("aedat4", "mcap", *HDF5)  # which also end where a piece of the source does
 UNIX_US = 1_633_953_690_975_950
 

@@ -22,7 +22,7 @@ from record_files import aedat3
 
 EVENTS = clean_events(1000)
 LIBRARIES = {
-    **{".h5": "h5py", ".mat": "scipy", ".aedat4": "lz4", ".mcap": "rosbags"},
+    **{".h5": "h5py", ".mat": "scipy", ".aedat4": "lz4", ".mcap": "mcap"},
     **{"lost_bag": "rosbags", "message_db3.db3": "zstandard"},
 }
 

@@ -97,4 +97,4 @@ def foreign(path: Path, offset: int = 0) -> Iterator[None]:
     except BaseException as error:
         if isinstance(error, OSError) and error.errno and error.filename:
             raise
-        raise CorruptFile(path, offset, f"{error or type(error).__name__}") from error
+        raise CorruptFile(path, offset, str(error) or type(error).__name__) from error

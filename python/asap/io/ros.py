@@ -1,33 +1,28 @@
-"""ROS bags: ROS 1 ``.bag``, ROS 2 ``.db3``, ``.mcap`` and folders, through ``rosbags``.
+"""ROS bags: ROS 1 ``.bag`` and folders through ``rosbags``, ``.mcap`` through ``mcap``, ``.db3``.
 
-The library hands out raw messages; a database is read with ``sqlite3``. The fields before the
+The libraries hand out raw messages; a database is read with ``sqlite3``. The fields before the
 events are read here and the events decoded by the native core, never one by one. One decoder serves
 a topic from its first message to its last, because EVT3 words run on across messages. No definition
 of a message is needed.
 
-A recorder that crashes, a full disk or a copy that broke off leaves a bag without its index, which
-the library refuses. Such a bag is read from the front, up to the first record that is not whole; no
-size in it is believed: no more is unpacked than `MAX_RATIO` allows. Sources:
-wiki.ros.org/Bags/Format/2.0 and mcap.dev/spec.
+A recorder that crashes, a full disk or a copy that broke off leaves a bag without its index. An
+MCAP file is then read from the front, up to the first record that is not whole; a ROS 1 bag is
+refused with the command that makes the index.
 """
 
 from __future__ import annotations
 
 import errno
-import importlib
-import io
 import shutil
 import struct
 import warnings
 import weakref
-import zlib
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from tempfile import mkdtemp
-from typing import Any, NamedTuple, Protocol
+from typing import IO, Any, Protocol
 
 import numpy as np
 
@@ -311,18 +306,16 @@ def open_bag(kind: str, path: Path) -> Bag:
     by_parts = path.is_dir() and (not _has_metadata(path) or any(map(_logs, path.glob("*.db3"))))
     if by_parts and (parts := parts_of(path)):
         return _Parts(parts)
-    if kind == "rosbag2" and not path.is_dir():
-        return _Database(path)
-    if kind == "mcap" and _profile(path) != "ros2":
-        return _OpenBag(path, _mcap_records)
-    make_reader = _library_reader(kind, path)
+    if kind == "mcap":
+        return _Mcap(path)
+    if kind == "rosbag2":
+        return _IndexedBag(path, _folder_reader(path)) if path.is_dir() else _Database(path)
+    rosbag1 = library("rosbags.rosbag1", "A ROS 1 bag", "ros")
     try:
-        return _IndexedBag(path, make_reader)
+        return _IndexedBag(path, lambda: rosbag1.Reader(path))
     except CorruptFile as error:
-        if path.is_dir():
-            raise
-        walk = _rosbag1_records if kind == "rosbag1" else _mcap_records
-        return _OpenBag(path, walk, error.fault)
+        remedy = f"{error.fault}; if its index is missing: rosbag reindex {path.name}"
+        raise CorruptFile(path, error.offset, remedy) from error
 
 
 def _has_metadata(folder: Path) -> bool:
@@ -331,12 +324,8 @@ def _has_metadata(folder: Path) -> bool:
     return metadata.exists() and b"relative_file_paths" in metadata.read_bytes()
 
 
-def _library_reader(kind: str, path: Path) -> Callable[[], Any]:
-    if kind == "rosbag1":
-        rosbag1 = library("rosbags.rosbag1", "A ROS 1 bag", "ros")
-        return lambda: rosbag1.Reader(path)
-    what, key = ("An MCAP file", ".mcap") if kind == "mcap" else ("A folder of ROS 2", "dir")
-    reader = library("rosbags.rosbag2", what, "ros").Reader.STORAGE_PLUGINS[key]
+def _folder_reader(path: Path) -> Callable[[], Any]:
+    reader = library("rosbags.rosbag2", "A folder of ROS 2", "ros").Reader.STORAGE_PLUGINS["dir"]
     return lambda: reader(path)  # by content: Reader() would go by the suffix
 
 
@@ -362,8 +351,8 @@ class _IndexedBag:
         self._path, self._make_reader = path, make_reader
         with self._opened() as reader, _library_errors(path):
             self.topics = {c.topic: _plain(c.msgtype) for c in reader.connections}
-            for offset, unpacked, packed in self._chunk_sizes(reader):
-                refuse_bomb(path, offset, "the chunk", unpacked, packed)
+            if isinstance(chunks := getattr(reader, "chunks", None), dict):
+                _refuse_bombs_of_ros1(path, chunks)
 
     def messages(self, topic: str) -> Iterator[bytes]:
         count = 0
@@ -378,14 +367,6 @@ class _IndexedBag:
                 file = getattr(reader, "bio", None)  # none in a database or a folder
                 words = f"{error.fault} (after {count} messages of {topic})"
                 raise CorruptFile(self._path, file.tell() if file else 0, words) from error
-
-    def _chunk_sizes(self, reader: Any) -> Iterator[tuple[int, int, int]]:
-        chunks = getattr(reader, "chunks", ())
-        if isinstance(chunks, dict):  # ROS 1
-            yield from _rosbag1_chunk_sizes(self._path, chunks)
-        else:
-            for chunk in chunks:
-                yield chunk.chunk_start_offset, chunk.uncompressed_size, chunk.compressed_size
 
     @contextmanager
     def _opened(self) -> Iterator[Any]:
@@ -461,268 +442,100 @@ def _unpacked(message: bytes) -> bytes:
     """Unpack what a recorder packed message by message, which only its metadata would say."""
     if not message.startswith(b"\x28\xb5\x2f\xfd"):  # no CDR begins so
         return message
-    most = max(HARMLESS, MAX_RATIO * len(message))
-    try:
-        return bytes(_open("zstd", message).read(most))
-    except _Broken:
-        library("zstandard", "A bag of packed messages", "ros")
-        raise
-    except Exception:  # the library's own
-        return b""  # a bad message
+    zstandard = library("zstandard", "A bag of packed messages", "ros")
+    with suppress(zstandard.ZstdError):
+        unpacker = zstandard.ZstdDecompressor().stream_reader(message)
+        return bytes(unpacker.read(max(HARMLESS, MAX_RATIO * len(message))))
+    return b""  # a bad message
 
 
-class _OpenBag:
-    """A ROS 1 bag or an MCAP file read from the front; a `fault` is why its index is not."""
+def _refuse_bombs_of_ros1(path: Path, offsets: Iterable[int]) -> None:
+    """Compare what the chunks of a ROS 1 bag promise with what is stored."""
+    with path.open("rb") as file:
+        for offset in offsets:
+            file.seek(offset)
+            (length,) = struct.unpack("<I", file.read(4))
+            (promised,) = struct.unpack("<I", file.read(length).partition(b"size=")[2][:4])
+            refuse_bomb(path, offset, "the chunk", promised, *struct.unpack("<I", file.read(4)))
 
-    def __init__(self, path: Path, walk: Callable[[Path], _Records], fault: str = "") -> None:
-        self._path, self._walk = path, walk
-        self._end = CorruptFile(path, path.stat().st_size, fault) if fault else None
-        self.topics: dict[str, str] = {}
-        self.ros1: set[str] = set()  # topics in the byte order of ROS 1
-        self._channels: dict[str, set[int]] = {}
-        try:
-            for record in walk(path):
-                if isinstance(record, _Channel):
-                    self.topics[record.topic] = _plain(record.type)
-                    self._channels.setdefault(record.topic, set()).add(record.number)
-                    if record.encoding == "ros1":
-                        self.ros1.add(record.topic)
-        except CorruptFile as error:
-            self._end = error
+
+class _Mcap:
+    """An MCAP file; without an index it is read from the front, up to what is not whole."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._end: CorruptFile | None = None
+        self._reader, self._stream_reader, self._kind = (
+            library(f"mcap.{name}", "An MCAP file", "ros")
+            for name in ("reader", "stream_reader", "records")
+        )
+        with path.open("rb") as file:
+            summary = self._summary(file)
+        self._has_index = summary is not None and bool(summary.chunk_indexes)
+        if summary is None:
+            channels, schemas = self._listed()
+        else:
+            channels, schemas = summary.channels, summary.schemas
+        for chunk in summary.chunk_indexes if summary is not None else ():
+            offset, unpacked = chunk.chunk_start_offset, chunk.uncompressed_size
+            refuse_bomb(path, offset, "the chunk", unpacked, chunk.compressed_size)
+        of_ros = [c for c in channels.values() if c.message_encoding in ("cdr", "ros1")]
+        kinds = {c.id: schemas[c.schema_id].name for c in of_ros if c.schema_id in schemas}
+        self.topics = {c.topic: _plain(kinds.get(c.id, "")) for c in of_ros}
+        self.ros1 = {c.topic for c in of_ros if c.message_encoding == "ros1"}
         if not self.topics and self._end is not None:
             raise self._end
 
     def messages(self, topic: str) -> Iterator[bytes]:
-        with suppress(CorruptFile):  # found before
-            for record in self._walk(self._path):
-                if isinstance(record, _Message) and record.channel in self._channels[topic]:
+        with self._path.open("rb") as file, foreign(self._path):
+            if self._has_index:
+                reader = self._reader.SeekingReader(file, validate_crcs=True)
+                yield from (message.data for _, _, message in reader.iter_messages(topic))
+                return
+            wanted: set[int] = set()
+            for record in self._records(file):
+                if isinstance(record, self._kind.Channel) and record.topic == topic:
+                    wanted.add(record.id)
+                elif isinstance(record, self._kind.Message) and record.channel_id in wanted:
                     yield record.data
-        if self._end is not None:
-            raise self._end
 
+    def _summary(self, file: IO[bytes]) -> Any:
+        with suppress(CorruptFile), foreign(self._path):
+            return self._reader.SeekingReader(file).get_summary()
+        return None
 
-# ---- records, from the first byte on ------------------------------------------------------------
-
-_MODULES = {  # that unpack: the first that is there
-    "bz2": ("bz2",),
-    "lz4": ("lz4.frame",),
-    "zstd": ("compression.zstd", "backports.zstd", "zstandard"),
-}
-
-
-class _Channel(NamedTuple):
-    """A topic begins."""
-
-    number: int
-    topic: str
-    type: str
-    encoding: str = ""
-
-
-class _Message(NamedTuple):
-    """A message as it was recorded."""
-
-    channel: int
-    data: bytes
-
-
-_Records = Iterator[_Channel | _Message]
-
-
-class _Broken(Exception):
-    """The bytes are none of the format."""
-
-
-_FAULTS = (_Broken, KeyError, ValueError, struct.error)
-
-
-class _Source:
-    """Bytes from the front of a file or a chunk; `left` are still promised."""
-
-    def __init__(self, file: Any, left: int, is_chunk: bool = False) -> None:
-        self._file, self.left, self.is_chunk = file, left, is_chunk
-
-    def take(self, size: int) -> bytes:
-        """Read exactly `size` bytes."""
-        data = self.take_some(size)
-        if len(data) < size:
-            raise _Broken("a record is cut")
-        return data
-
-    def take_some(self, size: int) -> bytes:
-        """Read as much as is there of `size` bytes."""
-        if size < 0:
-            raise _Broken("a record is longer than what holds it")
-        try:
-            data = bytes(self._file.read(min(size, self.left)))
-        except Exception as error:
-            if not self.is_chunk:
-                raise
-            raise _Broken(f"a chunk does not unpack: {error}") from error
-        self.left -= len(data)
-        return data
-
-    def skip(self, size: int) -> None:
-        if not 0 <= size <= self.left:
-            raise _Broken("a record is cut")
-        if self.is_chunk:
-            self.take(size)
-        else:
-            self._file.seek(size, io.SEEK_CUR)
-            self.left -= size
-
-    def u32(self) -> int:
-        return _u32(self.take(4))
-
-
-def _walk(path: Path, start: int, read_record: Callable[[_Source], _Records]) -> _Records:
-    """Walk a file from its first record on; `CorruptFile` at the first that is not whole."""
-    with path.open("rb") as file:
-        file.seek(start)
-        source = _Source(file, max(path.stat().st_size - start, 0))
-        while source.left:
-            at = file.tell()
+    def _listed(self) -> tuple[dict[int, Any], dict[int, Any]]:
+        """Return channels and schemas by their numbers, as far as the file can be read."""
+        channels: dict[int, Any] = {}
+        schemas: dict[int, Any] = {}
+        with self._path.open("rb") as file:
             try:
-                yield from read_record(source)
-            except _FAULTS as error:
-                raise CorruptFile(path, at, _words(error)) from error
+                for record in self._records(file):
+                    if isinstance(record, self._kind.Channel):
+                        channels[record.id] = record
+                    elif isinstance(record, self._kind.Schema):
+                        schemas[record.id] = record
+            except CorruptFile as error:
+                self._end = error
+        return channels, schemas
 
-
-def _words(error: Exception) -> str:
-    return f"a record has no field {error}" if isinstance(error, KeyError) else str(error)
-
-
-# ---- ROS 1 --------------------------------------------------------------------------------------
-
-_MESSAGE, _CHUNK, _CONNECTION = b"\x02", b"\x05", b"\x07"
-
-
-def _rosbag1_records(path: Path) -> _Records:
-    """Walk a ROS 1 bag of version 2.0."""
-    return _walk(path, len(b"#ROSBAG V2.0\n"), _rosbag1_record)
-
-
-def _rosbag1_record(source: _Source) -> _Records:
-    header = _fields(source.take(source.u32()))
-    op, size = header["op"], source.u32()
-    if op == _CHUNK:
-        unpacked = _u32(header["size"])
-        yield from _chunk(source, size, header["compression"].decode(), unpacked, _rosbag1_record)
-    elif op == _CONNECTION:
-        kind = _fields(source.take(size))["type"].decode()
-        yield _Channel(_u32(header["conn"]), header["topic"].decode(), kind)
-    elif op == _MESSAGE:
-        yield _Message(_u32(header["conn"]), source.take(size))
-    else:
-        source.skip(size)
-
-
-def _rosbag1_chunk_sizes(path: Path, offsets: Iterable[int]) -> Iterator[tuple[int, int, int]]:
-    """Yield offset, bytes without compression and bytes in the file of the chunks at `offsets`."""
-    with path.open("rb") as file:
-        for offset in offsets:
-            file.seek(offset)
-            source = _Source(file, path.stat().st_size - offset)
-            header = _fields(source.take(source.u32()))
-            yield offset, _u32(header["size"]), source.u32()
-
-
-def _fields(block: bytes) -> dict[str, bytes]:
-    fields, source = {}, _Source(io.BytesIO(block), len(block))
-    while source.left:
-        name, _, value = source.take(source.u32()).partition(b"=")
-        fields[name.decode()] = value
-    return fields
-
-
-# ---- MCAP ---------------------------------------------------------------------------------------
-
-_FOOTER_OP, _SCHEMA_OP, _CHANNEL_OP, _MESSAGE_OP, _CHUNK_OP = 2, 3, 4, 5, 6
-
-
-def _mcap_records(path: Path) -> _Records:
-    """Walk an MCAP file: its topics of messages of ROS."""
-    return _walk(path, len(b"\x89MCAP0\r\n"), partial(_mcap_record, {}))
-
-
-def _profile(path: Path) -> str:
-    """Read what the header says of the messages; a file without one is left to the library."""
-    with path.open("rb") as file:
-        source = _Source(file, path.stat().st_size)
-        with suppress(_Broken, UnicodeDecodeError, struct.error):
-            source.skip(len(b"\x89MCAP0\r\n") + 9)  # op and size of the header
-            return source.take(source.u32()).decode()
-    return "ros2"
-
-
-def _mcap_record(schemas: dict[int, str], source: _Source) -> _Records:
-    op, size = struct.unpack("<BQ", source.take(9))
-    if op == _CHUNK_OP:
-        before = source.left
-        source.skip(16)  # first and last time
-        unpacked, checksum = struct.unpack("<QI", source.take(12))
-        compression = source.take(source.u32()).decode()
-        (packed,) = struct.unpack("<Q", source.take(8))
-        read_record = partial(_mcap_record, schemas)
-        yield from _chunk(source, packed, compression, unpacked, read_record, checksum)
-        source.skip(size - (before - source.left))
-    elif op == _SCHEMA_OP:
-        schema = _Source(io.BytesIO(source.take(size)), size)
-        (number,) = struct.unpack("<H", schema.take(2))
-        schemas[number] = schema.take(schema.u32()).decode()
-    elif op == _CHANNEL_OP:
-        channel = _Source(io.BytesIO(source.take(size)), size)
-        number, schema_number = struct.unpack("<HH", channel.take(4))
-        topic, encoding = (channel.take(channel.u32()).decode() for _ in range(2))
-        if encoding in ("cdr", "ros1"):
-            yield _Channel(number, topic, schemas.get(schema_number, ""), encoding)
-    elif op == _MESSAGE_OP:
-        (number,) = struct.unpack("<H", source.take(2))
-        source.skip(20)  # number in its sequence, and two times
-        yield _Message(number, source.take(size - 22))
-    elif op == _FOOTER_OP:
-        source.left = 0
-    else:
-        source.skip(size)
-
-
-# ---- both ---------------------------------------------------------------------------------------
-
-
-def _chunk(
-    source: _Source,
-    size: int,
-    compression: str,
-    unpacked: int,
-    read_record: Callable[[_Source], _Records],
-    checksum: int = 0,
-) -> _Records:
-    """Walk the records in the next `size` bytes, which are `unpacked` without compression."""
-    packed = source.take_some(size)
-    if source.is_chunk:
-        raise _Broken("a chunk is inside a chunk")
-    if unpacked > max(HARMLESS, MAX_RATIO * len(packed)):
-        raise _Broken(f"a chunk of {len(packed)} bytes promises {unpacked}")
-    inside = _Source(_open(compression, packed), unpacked, is_chunk=True)
-    if checksum and len(packed) == size:
-        content = inside.take(unpacked)
-        if zlib.crc32(content) != checksum:
-            raise _Broken("the checksum of a chunk is another")
-        inside = _Source(io.BytesIO(content), unpacked, is_chunk=True)
-    while inside.left:
-        yield from read_record(inside)
-
-
-def _open(compression: str, packed: bytes) -> Any:
-    if compression in ("", "none"):
-        return io.BytesIO(packed)
-    for name in _MODULES.get(compression, ()):
-        try:
-            return importlib.import_module(name).open(io.BytesIO(packed), "rb")
-        except ImportError:
-            pass
-    raise _Broken(f"nothing here unpacks a chunk in {compression!r}")
-
-
-def _u32(value: bytes) -> int:
-    return int(struct.unpack("<I", value)[0])
+    def _records(self, file: IO[bytes]) -> Iterator[Any]:
+        """Read record by record; `CorruptFile` at the first that is not whole."""
+        size, at = self._path.stat().st_size, len(b"\x89MCAP0\r\n")
+        reader = self._stream_reader.StreamReader(file, emit_chunks=True, record_size_limit=size)
+        records = iter(reader.records)
+        while True:
+            try:
+                with foreign(self._path, at):
+                    record = next(records, None)
+                    if record is None:
+                        return
+                    inside = [record]
+                    if isinstance(record, self._kind.Chunk):
+                        promised, stored = record.uncompressed_size, len(record.data)
+                        refuse_bomb(self._path, at, "the chunk", promised, stored)
+                        inside = self._stream_reader.breakup_chunk(record, validate_crc=True)
+            except CorruptFile as error:
+                raise CorruptFile(self._path, at, error.fault) from error
+            yield from inside
+            at = file.tell()

@@ -221,10 +221,8 @@ def write_aedat4(file: IO[bytes], chunks: Iterable[Events], width: int, height: 
 
 
 # ---- MCAP ---------------------------------------------------------------------------------------
-# mcap.dev/spec without chunks and index; messages of event_camera_msgs, one stream in EVT3.
+# Messages of event_camera_msgs, one stream in EVT3.
 
-_MAGIC = b"\x89MCAP0\r\n"
-_HEADER, _FOOTER, _SCHEMA, _CHANNEL, _MESSAGE, _DATA_END = 1, 2, 3, 4, 5, 15
 _PACKET = "event_camera_msgs/msg/EventPacket"
 _DEFINITION = f"""std_msgs/Header header
 uint32 height
@@ -248,39 +246,24 @@ _CDR = struct.Struct("<4siII4xIIQQI5s?2xI")  # up to the events; frame_id is emp
 
 def write_mcap(file: IO[bytes], chunks: Iterable[Events], width: int, height: int) -> int:
     """Write one topic, ``/events``, of ``EventPacket``; a message is stamped by its last event."""
-    number, schema = 0, 1
     encoded = Encoded("evt3", width, height)
-    file.write(_MAGIC)
-    _write_record(file, _HEADER, _text("ros2"), _text("asap"))
-    names = _text(_PACKET), _text("ros2msg"), _text(_DEFINITION)
-    _write_record(file, _SCHEMA, struct.pack("<H", schema), *names)
-    names = _text("/events"), _text("cdr"), _text("")
-    _write_record(file, _CHANNEL, struct.pack("<HH", number, schema), *names)
+    writer = library("mcap.writer", "MCAP", "ros").Writer(file)
+    writer.start(profile="ros2", library="asap")
+    schema = writer.register_schema(_PACKET, "ros2msg", _DEFINITION.encode())
+    topic = writer.register_channel("/events", "cdr", schema)
     count = 0
     for sequence, events in enumerate(_packets(chunks, _ROS_PERIOD_US)):
         words = b"".join(map(bytes, encoded.pieces(events)))
         first_s, first_us = divmod(int(events["t"][0]), 1_000_000)
         last_ns = int(events["t"][-1]) * 1000
-        front = struct.pack("<HIQQ", number, sequence & 0xFFFFFFFF, last_ns, last_ns)
         packet = _CDR.pack(
             b"\0\1\0\0", first_s, first_us * 1000, 1, height, width, sequence, 0,
             len(b"evt3\0"), b"evt3\0", False, len(words),
         )  # fmt: skip
-        _write_record(file, _MESSAGE, front, packet, words)
+        writer.add_message(topic, last_ns, packet + words, last_ns, sequence & 0xFFFFFFFF)
         count += len(events)
-    _write_record(file, _DATA_END, bytes(4))
-    _write_record(file, _FOOTER, bytes(20))
-    file.write(_MAGIC)
+    writer.finish()
     return count
-
-
-def _write_record(file: IO[bytes], kind: int, *content: bytes) -> None:
-    file.write(struct.pack("<BQ", kind, sum(map(len, content))))
-    file.writelines(content)
-
-
-def _text(text: str) -> bytes:
-    return struct.pack("<I", len(text.encode())) + text.encode()
 
 
 # ---- HDF5 ---------------------------------------------------------------------------------------
