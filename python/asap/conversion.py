@@ -24,7 +24,6 @@ from asap.io.writers import (
     write_encoded,
     write_evt3,
     write_mcap,
-    write_metavision,
     write_npy,
     write_npz,
 )
@@ -34,17 +33,16 @@ __all__ = ["WRITERS", "convert", "format_of", "in_order", "losses"]
 WRITERS: dict[str, Writer] = {
     "npy": write_npy,
     "npz": write_npz,
-    **{name: partial(write_encoded, name) for name in ("csv", "es", "dat", "evt2")},
+    **{name: partial(write_encoded, name) for name in ("csv", "es")},
     "evt3": write_evt3,
     "aedat4": write_aedat4,
     "mcap": write_mcap,
     "dsec": write_dsec,
-    "metavision": write_metavision,
 }
 
-_WITH_TRIGGERS = ("evt3", "metavision")
+_WITH_TRIGGERS = ("evt3",)
 _STATE_SENSOR = {"es": "Event Stream", "aedat4": "AEDAT 4"}
-_SUFFIXES = {f".{name}": name for name in WRITERS if name not in ("dsec", "metavision")}
+_SUFFIXES = {f".{name}": name for name in WRITERS if name != "dsec"}
 _SUFFIXES |= {".raw": "evt3", ".h5": "dsec", ".hdf5": "dsec"}
 
 
@@ -70,15 +68,13 @@ def convert(
         is opened with `read`.
     path
         The file to write.
-    to : {"npz", "npy", "csv", "es", "dat", "evt2", "evt3", "aedat4", "mcap", "dsec", "metavision"}
+    to : {"npz", "npy", "csv", "es", "evt3", "aedat4", "mcap", "dsec"}
         The format. Default: the suffix of `path`; ``.raw`` is EVT3, ``.h5`` the HDF5 of DSEC, which
-        counts from ``t_offset``, the first event; Metavision's has records. Both are packed by
-        gzip and need the extra ``hdf5``. MCAP holds messages of
-        event_camera_msgs in EVT3, one per ms of the events' time. AEDAT 4 needs the extra of the
-        same name.
+        counts from ``t_offset``, the first event, is packed by gzip and needs the extra ``hdf5``.
+        MCAP (extra ``ros``) holds messages of event_camera_msgs in EVT3, one per ms of the events'
+        time. AEDAT 4 needs the extra of the same name.
     relative
-        Count the time from the first event. DAT ends at 2^32 us, 71 minutes; EVT3, MCAP and Event
-        Stream cannot hold Unix time.
+        Count the time from the first event. EVT3, MCAP and Event Stream cannot hold Unix time.
     width, height : int, optional
         Sensor, px. Default: from the file. Event Stream and AEDAT 4 need them; ``npy`` and ``csv``
         have no place for them.

@@ -56,10 +56,10 @@ py::tuple noted(const DecoderWithRoom& decoder) {
 
 Encoder make_encoder(const std::string& encoding, const py::object& width,
                      const py::object& height) {
-  constexpr std::array<std::string_view, 5> kNames{"evt2", "evt3", "dat", "es", "csv"};
+  constexpr std::array<std::string_view, 3> kNames{"evt3", "es", "csv"};
   const auto* const name = std::ranges::find(kNames, encoding);
   if (name == kNames.end()) {
-    throw_bad_value("encoding", "'" + encoding + "'", "give evt2, evt3, dat, es or csv");
+    throw_bad_value("encoding", "'" + encoding + "'", "give evt3, es or csv");
   }
   return Encoder({.encoding = static_cast<Encoding>(name - kNames.begin()),
                   .width = whole_number<std::uint16_t>("width", width),

@@ -43,12 +43,8 @@ std::vector<Event> decode(Decoder decoder, std::span<const std::byte> bytes) {
 
 std::vector<Event> decode(const EncoderConfig& config, std::span<const std::byte> bytes) {
   switch (config.encoding) {
-    case Encoding::evt2:
-      return decode(Evt2Decoder(), bytes);
     case Encoding::evt3:
       return decode(Evt3Decoder(), bytes);
-    case Encoding::dat:
-      return decode(DatDecoder(), bytes);
     case Encoding::event_stream:
       return decode(EventStreamDecoder({.height = config.height}), bytes);
     case Encoding::csv:
@@ -64,7 +60,7 @@ std::vector<Event> decode(const EncoderConfig& config, std::span<const std::byte
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   fuzz::Bytes input(data, size);
-  const EncoderConfig config{.encoding = static_cast<Encoding>(input.below(5)),
+  const EncoderConfig config{.encoding = static_cast<Encoding>(input.below(3)),
                              .width = input.take<std::uint16_t>(),
                              .height = input.take<std::uint16_t>()};
   const std::size_t room = Encoder::kMaxPerEvent + input.below(100);

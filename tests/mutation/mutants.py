@@ -349,7 +349,7 @@ MUTANTS: list[Mutant] = [
             "else if (event.t != state.t) {",
             "else if (event.t > state.t + 1) {",
         ),
-        high_bits_of_time_cut=("t >> 6 & 0xfffffff)", "t >> 6 & 0x7ffffff)"),
+        high_bits_of_time_cut=("kTimeHigh, t >> 12 & 0xfff)", "kTimeHigh, t >> 12 & 0x7ff)"),
         mark_beyond_what_readers_unwrap=(
             "kReach = std::int64_t{1} << 22;",
             "kReach = std::int64_t{1} << 24;",

@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 import asap
+import raw_files
 
 Make = Callable[[Any], Any]
 
@@ -80,7 +81,10 @@ def dask() -> Any:
 
 def written(suffix: str, folder: Path) -> str:
     path = folder / f"events{suffix}"
-    asap.convert(EVENTS, path, width=346, height=260)
+    if suffix == ".dat":
+        raw_files.write_dat(path, EVENTS)
+    else:
+        asap.convert(EVENTS, path, width=346, height=260)
     return str(path)
 
 

@@ -21,8 +21,8 @@ from event_files import assert_equal_events
 
 EVENTS = corrupt.clean_events(3000)
 SENSOR = {"width": corrupt.WIDTH, "height": corrupt.HEIGHT}
-HDF5 = ("dsec", "metavision")
-STATE_THE_SENSOR = ("npz", "es", "dat", "evt2", "evt3", "aedat4", "mcap", *HDF5)
+HDF5 = ("dsec",)
+STATE_THE_SENSOR = ("npz", "es", "evt3", "aedat4", "mcap", *HDF5)
 LIBRARIES = {"aedat4": "lz4", "mcap": "mcap", **dict.fromkeys(HDF5, "h5py")}
 IN_PACKETS = ("aedat4", "mcap", *HDF5)  # which also end where a piece of the source does
 UNIX_US = 1_633_953_690_975_950
@@ -153,8 +153,6 @@ def test_rosbags_reads_mcap(tmp_path: Path, events: Events) -> None:
 
 # Peers run as programs of their own: some are under the GPL.
 PEERS = {
-    "evt2": ("expelliarmus", "expelliarmus.Wizard(encoding='evt2').read(path)"),
-    "dat": ("expelliarmus", "expelliarmus.Wizard(encoding='dat').read(path)"),
     "evt3": ("evt3", "vars_of(evt3.decode_file(path))"),
     "es": ("event_stream", "turned(np.concatenate(list(event_stream.Decoder(path))))"),
 }
@@ -192,7 +190,7 @@ def test_a_stamp_that_goes_back_is_refused_with_its_number(tmp_path: Path, to: s
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize("to", ["es", "dat", "evt3", "mcap"])
+@pytest.mark.parametrize("to", ["es", "evt3", "mcap"])
 def test_a_time_that_the_format_cannot_hold(tmp_path: Path, to: str) -> None:
     events = EVENTS.copy()
     events["t"] += UNIX_US
@@ -246,11 +244,11 @@ def test_the_verb(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main([*arguments, "--height=260", "--relative"]) == 0
     assert capsys.readouterr().out == f"wrote {out}: 3,000 events\n"
     assert asap.load(out)["t"][0] == 0
-    assert cli.main([*arguments, "--format", "evt2", "--to", "3600s", "--json"]) == 0
+    assert cli.main([*arguments, "--format", "evt3", "--to", "3600s", "--json"]) == 0
     assert json.loads(capsys.readouterr().out) == {
         "schema_version": 1,
         "path": str(out),
-        "format": "evt2",
+        "format": "evt3",
         "events": 3000,
     }
     assert_equal_events(asap.load(out), EVENTS)
@@ -279,25 +277,16 @@ def triggers_of(tmp_path: Path) -> Path:
 EDGES = [(327, 2, 1), (329, 0, 0), (10_000_001, 1, 1), (10_000_006, 1, 0)]
 
 
-@pytest.mark.parametrize(("to", "suffix"), [("metavision", ".h5"), ("evt3", ".raw")])
 @pytest.mark.parametrize("relative", [False, True])
-def test_triggers_are_written_where_the_format_has_them(
-    to: str, suffix: str, relative: bool, tmp_path: Path
-) -> None:
-    source, path = triggers_of(tmp_path), tmp_path / f"out{suffix}"
-    asap.convert(source, path, to=to, relative=relative)
+def test_triggers_are_written_in_evt3(relative: bool, tmp_path: Path) -> None:
+    source, path = triggers_of(tmp_path), tmp_path / "out.raw"
+    asap.convert(source, path, relative=relative)
     first_us = 320 * relative
-    expected = [(t - first_us, number, value) for t, number, value in EDGES]
-    if to == "evt3":
-        written = asap.read(path)
-        assert np.concatenate(list(written))["t"].tolist() == [
-            320 - first_us, 329 - first_us, 10_000_005 - first_us
-        ]  # fmt: skip
-        assert written.triggers.tolist() == expected
-    else:
-        with pytest.importorskip("h5py").File(path) as file:
-            edges = file["EXT_TRIGGER/events"][()]
-        assert [(t, number, p) for p, t, number in edges.tolist()] == expected
+    written = asap.read(path)
+    assert np.concatenate(list(written))["t"].tolist() == [
+        320 - first_us, 329 - first_us, 10_000_005 - first_us
+    ]  # fmt: skip
+    assert written.triggers.tolist() == [(t - first_us, n, value) for t, n, value in EDGES]
 
 
 def test_triggers_of_a_window_of_time_are_written(tmp_path: Path) -> None:

@@ -10,6 +10,7 @@ import pytest
 
 import asap
 import corrupt
+import raw_files
 from aedat4_files import write_aedat4
 from asap import cli
 from asap.events import Events
@@ -194,7 +195,7 @@ def test_a_format_that_the_content_denies(tmp_path: Path) -> None:
 
 def test_raw_without_an_encoding_asks_for_it(tmp_path: Path) -> None:
     path = tmp_path / "a.raw"
-    asap.convert(EVENTS, path, to="evt2", **SENSOR)
+    raw_files.write_evt2(path, EVENTS)
     words = path.read_bytes().partition(b"% end\n")[2]
     remedy = r"; name the encoding, such as file_format='evt3' \(or evt2, evt21\)$"
     for header, lack in (

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 import asap
+import raw_files
 from asap.cli import main
 from asap.events import Events
 from corrupt import clean_events
@@ -33,6 +34,14 @@ def reported(name: str) -> Path:
         if name.endswith(end):
             pytest.importorskip(library)
     return recording(f"reported/{name}")
+
+
+def written(path: Path, events: Events, **sensor: int) -> None:
+    """Write a file of that suffix; ``.raw`` is EVT2."""
+    if path.suffix in (".raw", ".dat"):
+        raw_files.WRITERS["dat" if path.suffix == ".dat" else "evt2"](path, events, **sensor)
+    else:
+        asap.convert(events, path, **sensor)
 
 
 def truth(name: str = "scene.npz") -> Events:
@@ -460,8 +469,7 @@ def test_a_window_of_time_is_that_of_the_whole(suffix: str, tmp_path: Path) -> N
     if suffix == ".h5":
         write(path, {role: events[role] for role in "txyp"})
     else:
-        to = "evt2" if suffix == ".raw" else None
-        asap.convert(events, path, to=to, width=1000, height=1000)
+        written(path, events, width=1000, height=1000)
     span_s = (events["t"][-1] - events["t"][0]) / 1e6
     elapsed_s = (events["t"] - events["t"][0]) / 1e6
     for start, stop in ((0.4, 0.6), (0.0, 0.01), (0.99, None), (None, 0.3), (0.5, 0.5001)):
@@ -479,10 +487,9 @@ def test_a_window_of_a_clock_that_was_set_back_is_that_of_the_whole(
     first["t"] += 5_000_000
     path = tmp_path / f"events{suffix}"
     if suffix == ".raw":
-        asap.convert(first, path, to="evt2")
-        asap.convert(second, tmp_path / "second.raw", to="evt2")
+        written(path, first)
         with path.open("ab") as file:
-            file.write((tmp_path / "second.raw").read_bytes().partition(b"% end\n")[2])
+            file.write(raw_files.evt2_words(second).tobytes())
     else:
         events = np.concatenate([first, second])
         write(path, {role: events[role] for role in "txyp"})
@@ -505,24 +512,24 @@ def test_loading_gives_what_iterating_gives(
     events = clean_events(200_000)
     events["x"][::999] = 900  # dropped from every chunk
     path = tmp_path / f"events{suffix}"
-    asap.convert(events, path, **({"width": 1000, "height": 1000} if suffix == ".aedat4" else {}))
-    size = {} if suffix == ".aedat4" else {"width": 800, "height": 600}
+    stated = {"width": 1000, "height": 1000} if suffix in (".aedat4", ".raw", ".dat") else {}
+    written(path, events, **stated)
+    size = {} if stated else {"width": 800, "height": 600}
     opened = asap.read(path, **options, **size)
     expected = np.concatenate([chunk.copy() for chunk in opened])
     assert_equal_events(asap.load(path, **options, **size), expected)
     assert_equal_events(np.concatenate(list(opened)), expected)
 
 
-@pytest.mark.parametrize("to", ["dsec", "metavision"])
-def test_hdf5_that_is_written_reads_back(to: str, tmp_path: Path) -> None:
+def test_hdf5_that_is_written_reads_back(tmp_path: Path) -> None:
     pytest.importorskip("h5py")
     events = clean_events(200_000)
     path = tmp_path / "events.h5"
-    assert asap.convert(events, path, to=to, width=346, height=260) == len(events)
+    assert asap.convert(events, path, width=346, height=260) == len(events)
     opened = asap.read(path)
     assert (opened.width, opened.height) == (346, 260)
     assert_equal_events(asap.load(path), events)
-    asap.convert(path, tmp_path / "part.h5", to=to, start=0.1, stop=0.2)
+    asap.convert(path, tmp_path / "part.h5", start=0.1, stop=0.2)
     elapsed_us = events["t"] - events["t"][0]
     inside = (elapsed_us >= 100_000) & (elapsed_us < 200_000)
     assert_equal_events(asap.load(tmp_path / "part.h5"), events[inside])

@@ -37,30 +37,6 @@ struct Limits {
 template <class Format>
 concept CountsTime = requires { Format::kReach; };
 
-struct Evt2Format : Limits {
-  static constexpr std::string_view kName = "EVT2";
-  static constexpr std::uint32_t kMaxAddress = 2047;
-  static constexpr std::int64_t kReach = std::int64_t{1} << 32;   // readers unwrap 2^34 us
-  static constexpr std::int64_t kMaxGap = std::int64_t{1} << 51;  // Unix time: 1.5 MB of marks
-
-  static std::byte* put(State& state, const Event& event, std::byte* to) noexcept {
-    if (!state.started || event.t >> 6 != state.t >> 6) to = put_high(state, event.t, to);
-    const auto low = static_cast<std::uint32_t>(event.t & 63);
-    return put_little(to, is_on(event) << 28 | low << 22 | std::uint32_t{event.x} << 11 | event.y);
-  }
-
-  static std::byte* mark(State& state, std::byte* to) noexcept {
-    return put_high(state, state.t + kReach, to);
-  }
-
- private:
-  static std::byte* put_high(State& state, std::int64_t t, std::byte* to) noexcept {
-    state.started = true;
-    state.t = t;
-    return put_little(to, 8u << 28 | static_cast<std::uint32_t>(t >> 6 & 0xfffffff));
-  }
-};
-
 struct Evt3Format : Limits {
   static constexpr std::string_view kName = "EVT3";
   static constexpr std::uint32_t kMaxAddress = 2047;
@@ -94,17 +70,6 @@ struct Evt3Format : Limits {
     state.t = t;
     to = put_word(to, kTimeHigh, t >> 12 & 0xfff);
     return put_word(to, kTimeLow, t & 0xfff);
-  }
-};
-
-struct DatFormat : Limits {
-  static constexpr std::string_view kName = "DAT";
-  static constexpr std::uint32_t kMaxAddress = 16383;
-  static constexpr std::int64_t kMaxTime = std::numeric_limits<std::uint32_t>::max();
-
-  static std::byte* put(State&, const Event& event, std::byte* to) noexcept {
-    to = put_little(to, static_cast<std::uint32_t>(event.t));
-    return put_little(to, is_on(event) << 28 | std::uint32_t{event.y} << 14 | event.x);
   }
 };
 
@@ -190,20 +155,13 @@ Encoder::Encoder(const EncoderConfig& config) : config_(config) {
 std::string Encoder::header() const {
   const std::string width = std::to_string(config_.width), height = std::to_string(config_.height);
   const bool known = config_.width > 0 && config_.height > 0;
-  const auto raw = [&](const std::string& version, const std::string& name) {
-    return "% evt " + version + "\n% format " + name +
-           (known ? ";height=" + height + ";width=" + width + "\n% geometry " + width + "x" + height
-                  : "") +
-           "\n% end\n";
-  };
   switch (config_.encoding) {
-    case Encoding::evt2:
-      return raw("2.0", "EVT2");
     case Encoding::evt3:
-      return raw("3.0", "EVT3");
-    case Encoding::dat:
-      return "% Data file containing CD events.\n% Version 2\n" +
-             (known ? "% Height " + height + "\n% Width " + width + "\n" : "") + "\x0c\x08";
+      return "% evt 3.0\n% format EVT3" +
+             (known
+                  ? ";height=" + height + ";width=" + width + "\n% geometry " + width + "x" + height
+                  : "") +
+             "\n% end\n";
     case Encoding::event_stream: {
       std::string bytes("Event Stream\x02\0\0\x01", 16);
       for (const int side : {config_.width, config_.height}) {
@@ -220,12 +178,8 @@ std::string Encoder::header() const {
 
 Progress Encoder::encode(std::span<const Event> events, std::span<std::byte> bytes) {
   switch (config_.encoding) {
-    case Encoding::evt2:
-      return encode_as<Evt2Format>(events, bytes);
     case Encoding::evt3:
       return encode_as<Evt3Format>(events, bytes);
-    case Encoding::dat:
-      return encode_as<DatFormat>(events, bytes);
     case Encoding::event_stream:
       return encode_as<EventStreamFormat>(events, bytes);
     case Encoding::csv:

@@ -270,7 +270,6 @@ def write_mcap(file: IO[bytes], chunks: Iterable[Events], width: int, height: in
 # Packed by gzip, which every HDF5 library unpacks.
 
 _MS_US = 1000
-_INDEX_US = 2000  # Metavision's
 
 
 def write_dsec(file: IO[bytes], chunks: Iterable[Events], width: int, height: int) -> int:
@@ -300,40 +299,6 @@ def write_dsec(file: IO[bytes], chunks: Iterable[Events], width: int, height: in
         for name, side in (("width", width), ("height", height)):
             if side:
                 hdf5[f"events/{name}"] = side
-    return count
-
-
-def write_metavision(
-    file: IO[bytes],
-    chunks: Iterable[Events],
-    width: int,
-    height: int,
-    triggers: Callable[[], npt.NDArray[np.void]],
-) -> int:
-    """Write the layout of Metavision: records, the first event of every 2 ms, and triggers.
-
-    `triggers` returns those of the source, once its events have been read.
-    """
-    with _hdf5(file) as hdf5:
-        events = _growing(hdf5, "CD/events", [(n, EVENT_DTYPE[n]) for n in "xypt"])
-        indexes = _growing(hdf5, "CD/indexes", [("id", "<u8"), ("ts", "<i8")])
-        count = 0
-        for chunk in chunks:
-            _append(events, chunk)
-            t = chunk["t"]
-            begin = len(indexes) if count else max(int(t[0]) // _INDEX_US, 0)
-            marks = np.arange(begin, int(t[-1]) // _INDEX_US + 1) * _INDEX_US
-            at = np.searchsorted(t, marks)
-            rows = np.zeros(len(at), indexes.dtype)
-            rows["id"], rows["ts"] = count + at, t[at]
-            _append(indexes, rows)
-            count += len(chunk)
-        seen = triggers()
-        edges = np.zeros(len(seen), [("p", "<i2"), ("t", "<i8"), ("id", "<i2")])
-        edges["p"], edges["t"], edges["id"] = seen["value"], seen["t"], seen["id"]
-        _append(_growing(hdf5, "EXT_TRIGGER/events", edges.dtype), edges)
-        if width and height:
-            hdf5.attrs["geometry"] = f"{width}x{height}"
     return count
 
 

@@ -27,8 +27,7 @@ constexpr EncoderConfig config(Encoding encoding) {
   return {.encoding = encoding, .width = 1280, .height = kHeight};
 }
 
-constexpr Encoding kAll[] = {Encoding::evt2, Encoding::evt3, Encoding::dat, Encoding::event_stream,
-                             Encoding::csv};
+constexpr Encoding kAll[] = {Encoding::evt3, Encoding::event_stream, Encoding::csv};
 
 Bytes encode(Encoder& encoder, std::span<const Event> events, std::size_t room = 1 << 16) {
   Bytes all, bytes(room);
@@ -108,16 +107,6 @@ Events read_evt3(const Bytes& bytes) {
   return events;
 }
 
-Events read_dat(const Bytes& bytes) {
-  Events events;
-  for (std::size_t at = 0; at < bytes.size(); at += 8) {
-    const std::uint64_t place = little(&bytes[at + 4], 4);
-    events.push_back(event(place & 0x3fff, place >> 14 & 0x3fff, place >> 28,
-                           static_cast<std::int64_t>(little(&bytes[at], 4))));
-  }
-  return events;
-}
-
 Events read_event_stream(const Bytes& bytes) {
   Events events;
   std::int64_t t = 0;
@@ -136,16 +125,6 @@ Events read_event_stream(const Bytes& bytes) {
   return events;
 }
 
-Events read_evt2(const Bytes& bytes) {
-  Evt2Decoder decoder;
-  Events events(bytes.size());
-  const Progress done = decoder.decode(bytes, std::span(events));
-  EXPECT_EQ(done.bytes, bytes.size());
-  EXPECT_EQ(decoder.bad_records() + decoder.before_start() + decoder.unfinished(), 0u);
-  events.resize(done.events);
-  return events;
-}
-
 Events read_csv(const Bytes& bytes) {
   TextDecoder decoder({.time_exponent = 0});
   Events events;
@@ -156,12 +135,8 @@ Events read_csv(const Bytes& bytes) {
 
 Events read(Encoding encoding, const Bytes& bytes) {
   switch (encoding) {
-    case Encoding::evt2:
-      return read_evt2(bytes);
     case Encoding::evt3:
       return read_evt3(bytes);
-    case Encoding::dat:
-      return read_dat(bytes);
     case Encoding::event_stream:
       return read_event_stream(bytes);
     case Encoding::csv:
@@ -190,15 +165,12 @@ TEST(Encoder, LongGapsAreBridged) {
     }
   }
   const Events years{event(5, 6, 1, 0), event(7, 6, 0, 1'633'953'690'975'950)};
-  EXPECT_EQ(read_evt2(encode(Encoding::evt2, years)), years);
   EXPECT_EQ(read_csv(encode(Encoding::csv, years)), years);
 }
 
 TEST(Encoder, TheLargestPixelsFit) {
   for (const Encoding encoding : kAll) {
-    const unsigned largest = encoding == Encoding::dat    ? 16383
-                             : encoding <= Encoding::evt3 ? 2047
-                                                          : 65535;
+    const unsigned largest = encoding == Encoding::evt3 ? 2047 : 65535;
     const Events events{event(largest, 0, 1, 9), event(0, largest, 0, 9)};
     EXPECT_EQ(read(encoding, encode(encoding, events)), events);
   }
@@ -268,7 +240,7 @@ TEST(Encoder, RefusesAStampThatGoesBack) {
 }
 
 TEST(Encoder, NumbersTheEventsOfAllCalls) {
-  Encoder encoder(config(Encoding::dat));
+  Encoder encoder(config(Encoding::evt3));
   const Events events = some_events(10, 500);
   encode(encoder, events);
   const Events back{event(1, 2, 1, 0)};
@@ -281,12 +253,10 @@ TEST(Encoder, NumbersTheEventsOfAllCalls) {
 }
 
 TEST(Encoder, RefusesPixelsThatTheFormatCannotHold) {
-  EXPECT_EQ(refusal(Encoding::evt2, {event(2048, 0, 1, 0)}),
-            "x = 2048 (event 0): EVT2 holds pixels up to 2047");
-  EXPECT_EQ(refusal(Encoding::evt3, {event(0, 2048, 1, 0)}),
-            "y = 2048 (event 0): EVT3 holds pixels up to 2047");
-  EXPECT_EQ(refusal(Encoding::dat, {event(0, 0, 1, 0), event(0, 16384, 1, 0)}),
-            "y = 16384 (event 1): DAT holds pixels up to 16383");
+  EXPECT_EQ(refusal(Encoding::evt3, {event(2048, 0, 1, 0)}),
+            "x = 2048 (event 0): EVT3 holds pixels up to 2047");
+  EXPECT_EQ(refusal(Encoding::evt3, {event(0, 0, 1, 0), event(0, 2048, 1, 0)}),
+            "y = 2048 (event 1): EVT3 holds pixels up to 2047");
 }
 
 TEST(Encoder, RefusesTimesThatTheFormatCannotHold) {
@@ -297,8 +267,6 @@ TEST(Encoder, RefusesTimesThatTheFormatCannotHold) {
             "t = 1633953690975950 (event 0): EVT3" + remedy);
   EXPECT_EQ(refusal(Encoding::event_stream, {event(0, 0, 1, kUnix)}),
             "t = 1633953690975950 (event 0): Event Stream" + remedy);
-  EXPECT_EQ(refusal(Encoding::dat, {event(0, 0, 1, 5), event(0, 0, 1, 1LL << 32)}),
-            "t = 4294967296 (event 1): DAT" + remedy);
   for (const Encoding encoding : kAll) {
     EXPECT_EQ(refusal(encoding, {event(0, 0, 1, -1)}).empty(), encoding == Encoding::csv);
   }
@@ -314,15 +282,12 @@ TEST(Encoder, AnEventStreamNeedsItsSensor) {
 // ---- headers --------------------------------------------------------------------------------
 
 TEST(Encoder, HeadersStateTheSensor) {
-  for (const Encoding encoding : {Encoding::evt2, Encoding::evt3, Encoding::dat}) {
-    const std::string header = Encoder(config(encoding)).header();
-    const auto found = read_raw_header(std::as_bytes(std::span(header)));
-    ASSERT_TRUE(found);
-    EXPECT_EQ(found->width, 1280);
-    EXPECT_EQ(found->height, 720);
-    EXPECT_EQ(found->is_dat, encoding == Encoding::dat);
-    EXPECT_EQ(found->size, header.size() - (found->is_dat ? 2 : 0));
-  }
+  const std::string header = Encoder(config(Encoding::evt3)).header();
+  const auto found = read_raw_header(std::as_bytes(std::span(header)));
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->width, 1280);
+  EXPECT_EQ(found->height, 720);
+  EXPECT_EQ(found->size, header.size());
   const std::string es = Encoder(config(Encoding::event_stream)).header();
   EXPECT_EQ(es, std::string("Event Stream\2\0\0\1\0\5\xd0\2", 20));
   EXPECT_EQ(Encoder({.encoding = Encoding::csv}).header(), "t,x,y,p\n");

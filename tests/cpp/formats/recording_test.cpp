@@ -68,8 +68,8 @@ Events read_all(RecordingSource& recording) {
 
 TEST(RecordingSource, PicksTheDecoderByTheFile) {
   const RecordingConfig in_pieces{.text = {.time_exponent = 0}, .chunk_bytes = 1001};
-  const auto names = {"evt2.raw", "evt3.raw", "events.dat", "events.es", "events.csv"};
-  auto encoding = Encoding::evt2;
+  const auto names = {"evt3.raw", "events.es", "events.csv"};
+  auto encoding = Encoding::evt3;
   for (const char* const name : names) {
     SCOPED_TRACE(name);
     const File file(name, encoded(encoding));

@@ -1,7 +1,7 @@
-// Encoder: events as the bytes of a file: Prophesee EVT2, EVT3 or DAT, Event Stream, or csv.
+// Encoder: events as the bytes of a file: Prophesee EVT3, Event Stream, or csv.
 //
 // One thread. header() comes first, then what encode() writes, call after call. Stamps stay as they
-// are: EVT2, EVT3 and Event Stream count from 0, and bridge a long gap by records that only advance
+// are: EVT3 and Event Stream count from 0, and bridge a long gap by records that only advance
 // the time; encode() writes as many of them as there is room for. O(events + bytes). No allocation
 // but in header() and for an error.
 #pragma once
@@ -17,7 +17,7 @@
 
 namespace asap {
 
-enum class Encoding : std::uint8_t { evt2, evt3, dat, event_stream, csv };
+enum class Encoding : std::uint8_t { evt3, event_stream, csv };
 
 struct EncoderConfig {
   Encoding encoding = Encoding::evt3;
@@ -43,7 +43,7 @@ class Encoder {
   void reset() noexcept { state_ = {}; }
 
   // The next event states its time and row again: what follows can be read without what came
-  // before, but for the epoch of the time. For EVT2 and EVT3.
+  // before, but for the epoch of the time. For EVT3.
   void restate() noexcept {
     state_.started = false;
     state_.y = State{}.y;
