@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Callable, Mapping
-from operator import attrgetter, methodcaller
+from operator import attrgetter
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -29,17 +29,13 @@ _LONG_US = 10_000  # between events of a camera
 
 
 def opened(source: Any) -> Any:
-    """Return what holds the columns of a lazy or foreign object; `source` itself if it is none."""
+    """Return what holds the columns of a foreign object; `source` itself if it is none."""
     way = _way_into(source)
     return source if way is None else opened(way(source))
 
 
-# What computes a lazy object once, and what such an object has beside it.
-_LAZY = {
-    "collect": "lazy",  # polars, evlib
-    "compute": "dask",
-    "to_table": "scanner",  # a dataset of Arrow
-}
+# What computes a lazy object, and what such an object has beside it: polars, dask, Arrow.
+_LAZY = {"collect": "lazy", "compute": "dask", "to_table": "scanner"}
 
 
 def _way_into(source: Any) -> Callable[[Any], Any] | None:
@@ -49,7 +45,7 @@ def _way_into(source: Any) -> Callable[[Any], Any] | None:
         return attrgetter("polarity_events")
     for compute, mark in _LAZY.items():
         if hasattr(source, compute) and hasattr(source, mark):
-            return methodcaller(compute)
+            raise TypeError(named("source", type(source).__name__, f"call its {compute}() first"))
     if hasattr(source, "columns") and hasattr(source, "__array__"):  # a table
         return None
     if hasattr(source, "__arrow_c_stream__") or hasattr(source, "__arrow_c_array__"):
@@ -130,11 +126,13 @@ def check_exposure(source: Any, names: Mapping[Any, Any]) -> None:
         raise ValueError(named("exposure", True, remedy))
 
 
-def check_polarity(p: Column) -> None:
-    """Refuse a polarity of two values above 0, which would all be ON."""
-    if p.dtype.kind == "b" or p.size == 0 or not p.max() > 1:
+def check_polarity(p: Column, is_ours: bool) -> None:
+    """Refuse a polarity of two values above 0, which would all be ON; in ours, if none is OFF."""
+    above = p if p.dtype.kind == "f" or (p.size and p.max() > 1) else p[:0]
+    above = above[above > 0]
+    if above.size == 0 or (is_ours and above.size < p.size):
         return
-    low, high = (np.min(p[p > 0]), p.max())
+    low, high = above.min(), above.max()
     if low != high:
         remedy = f"and {high:g} are both above 0, which is ON; give p == {high:g}"
         raise ValueError(f"p = {low:g}: {remedy} if {low:g} is OFF")

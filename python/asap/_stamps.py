@@ -14,6 +14,7 @@ TIME_EXPONENTS = {"s": 6, "ms": 3, "us": 0, "ns": -3}
 _FINE_EXPONENTS = {"ns": -3, "ps": -6, "fs": -9, "as": -12}  # units of datetime64 and timedelta64
 
 MAX = 2**63 - 1  # us
+_SOME = 100  # stamps that tell a unit
 
 
 def time_exponent(time_unit: str) -> int:
@@ -21,6 +22,13 @@ def time_exponent(time_unit: str) -> int:
     if not isinstance(time_unit, str) or time_unit not in TIME_EXPONENTS:
         raise ValueError(f"time_unit = {time_unit!r}: use one of {', '.join(TIME_EXPONENTS)}")
     return TIME_EXPONENTS[time_unit]
+
+
+def are_thousands(t: Column) -> bool:
+    """Whether stamps are all multiples of 1000, which a camera's clock gives in ns alone."""
+    some = t[:1000] if t.dtype.kind in "iu" else t[:0]
+    steps = np.count_nonzero(np.diff(np.sort(some)))  # np.unique imports numpy.ma in a first push
+    return steps + 1 >= _SOME and not np.any(some % 1000) and not np.any(t % 1000)
 
 
 def misfits(stamps: Column) -> npt.NDArray[np.bool_]:

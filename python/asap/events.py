@@ -56,7 +56,7 @@ def as_events(
           (a ``p`` of None: every event is ON);
         * an array of shape (N, len(order)), with `order`;
         * an object with these columns as attributes, of the Arrow protocol (read by pyarrow), a
-          lazy table (collected once), a packet or a store of a camera's library;
+          packet or a store of a camera's library;
         * a list of several of these, one after the other;
         * None or something empty: no events.
     order
@@ -82,9 +82,10 @@ def as_events(
         A path (use ``asap.load``), fields that cannot be matched, a column that is not numeric.
     ValueError
         A value that an event cannot hold (named with its field and index), one that a mask hides,
-        floating times without a unit or too coarse for it, two polarities above 0, columns of
-        different lengths, an array without `order`, columns without names where another one than
-        the first looks like the times, a copy that ``copy=False`` forbids.
+        floating times without a unit or too coarse for it, whole times without one that are all
+        multiples of 1000, two polarities above 0, columns of different lengths, an array without
+        `order`, columns without names where another one than the first looks like the times, a
+        copy that ``copy=False`` forbids.
 
     Warns
     -----
@@ -111,10 +112,15 @@ def as_events(
                 f"time_unit = None: t is {columns['t'].dtype}; floating times need their unit, "
                 "such as time_unit='s'"
             )
+        if not is_ours and _stamps.are_thousands(columns["t"]):
+            raise ValueError(
+                "time_unit = None: t are whole multiples of 1000; say time_unit='us' or "
+                "time_unit='ns'"
+            )
         if not is_ours and (doubt := _foreign.doubt_of_unit(columns["t"])):
             warnings.warn(f"t: {doubt}", stacklevel=2)
-    if "p" in columns and not is_ours:
-        _foreign.check_polarity(columns["p"])
+    if "p" in columns:
+        _foreign.check_polarity(columns["p"], is_ours)
     events = pack_good(columns, exponent)
     if events is not None:
         return events

@@ -78,7 +78,7 @@ def test_version(call: Call) -> None:
         ("info f --on-bad ignore", "invalid choice: 'ignore'"),
         ("info three.csv", "order = None: the lines of three.csv have 3 columns; name each"),
         ("info three.csv --order txq", "order = 'txq': name the columns"),
-        ("info whole.csv", "say time_unit='s' or time_unit='us'"),
+        ("info whole.csv", "say time_unit='us' or time_unit='s'"),
         ("convert flight.npy a.xyz", "its suffix names no format; choose one of npy, npz"),
         ("convert flight.npy a.es", "Event Stream states its sensor; give width and height in px"),
         ("convert flight.npy no/a.es", "there is no folder"),

@@ -83,7 +83,7 @@ def judge(raw: RawSource, door: Door, meters: Meters) -> Iterator[Finding]:
     )
     yield _banding(meters)
     yield _duplicates(meters)
-    yield _polarity(raw, door, meters)
+    yield _polarity(door, meters)
     yield _noise(meters)
     yield _hot_pixels(meters)
 
@@ -280,11 +280,9 @@ def _sentence(words: str) -> str:
     return f"{words[0].upper()}{words[1:]}."
 
 
-def _polarity(raw: RawSource, door: Door, meters: Meters) -> Finding:
+def _polarity(door: Door, meters: Meters) -> Finding:
     tally, events, on = door.odd_polarity, meters.events, meters.on
     share = f"{_units.share(on / events)} ON" if events else ""
-    if understood := "; ".join(raw.losses.understood):
-        return Finding("polarity", 0, NOTE, share, _sentence(understood))
     if tally.count == 0 and events >= ENOUGH and on in (0, events):
         return Finding(
             "polarity", 0, NOTE, share, "One polarity only: the other was lost, or never written."

@@ -16,7 +16,7 @@ from asap.experiment.source import is_iterable_of_arrays, names_files
 from asap.io import Recording, read
 from asap.io.columns import events_of
 from asap.io.errors import CutFile
-from asap.io.reader import PLAIN, Losses, Options
+from asap.io.reader import Losses, Options
 from asap.io.sniff import sniff
 
 BLOCK = 1 << 16  # events in a block, at most
@@ -63,7 +63,7 @@ class RawSource:
         known = source if is_stream else self.recording
         self.width, self.height = sensor(width, height, known, self.path or self.format)
         self._chunks: Iterable[Any] = source if is_stream else (source,)
-        self._losses = Losses(Path(self.format), "drop", off_on=PLAIN, cut=cut)
+        self._losses = Losses(Path(self.format), "drop", has_plain_polarity=True, cut=cut)
 
     @property
     def losses(self) -> Losses:

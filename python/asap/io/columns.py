@@ -11,10 +11,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from asap._stamps import time_exponent
+from asap._stamps import are_thousands, time_exponent
 from asap.events import (
     Columns,
     Events,
+    columns_by_order,
     columns_of,
     is_event_memory,
     misfit_message,
@@ -24,15 +25,11 @@ from asap.events import (
     plain_view,
 )
 from asap.io.errors import UnsupportedFormat, unclear_unit
-from asap.io.reader import CHUNK, PLAIN, Losses, Options
+from asap.io.reader import CHUNK, Losses, Options
 
 _MAX_ADDRESS = 65535
 _LOOKS = 32  # rows whose times must ascend before one is sought
 _DAMAGED = 0.1  # share of odd polarities that is no other way to write it
-# -1 in a type without a sign; the decoder of text stops at 2^15 - 1.
-_MINUS_ONE = (2**8 - 1, 2**16 - 1, 2**32 - 1, 2**64 - 1, 2**15 - 1)
-_PAIRS = {(1, 2): (1, 2)} | {(1, minus): (minus, 1) for minus in _MINUS_ONE}  # OFF and ON
-_EVERY = 61  # later events whose polarity is looked at: a prime, against patterns
 
 
 def row_before(time_of: Callable[[int], int | None], rows: int, t_us: int) -> int:
@@ -75,23 +72,24 @@ def file_columns(
 def events_of(source: Any, options: Options, losses: Losses, first: int = 0) -> Events:
     """Events of an array or a mapping of columns; `first` is the number of its first event.
 
-    Without a time unit, floating times are seconds and integers microseconds; floats that begin as
-    whole numbers could be both, and the user is asked.
+    Without a time unit, floating times are seconds and integers microseconds; the user is asked
+    where floats begin as whole numbers, or whole numbers as multiples of 1000.
     """
     if isinstance(source, np.ndarray) and options.time_unit is None and is_event_memory(source):
         losses.guessed_unit = "us"
-        with_plain_polarity = _polarity(source["p"], losses, first)
-        if with_plain_polarity is None:
-            return plain_view(source)
+        check_polarity(source["p"], losses)
+        return plain_view(source)
     exponent = time_exponent(options.time_unit or "s")
     columns = file_columns(losses.path, source, options.order, exponent=exponent)
-    if "p" in columns and (p := _polarity(columns["p"], losses, first)) is not None:
-        columns = columns | {"p": p}
+    if "p" in columns:
+        check_polarity(columns["p"], losses)
     unit = options.time_unit or ("s" if columns["t"].dtype.kind == "f" else "us")
     if options.time_unit is None:
         losses.guessed_unit = unit
-        if unit == "s" and first == 0 and _all_whole(columns["t"]):
-            raise unclear_unit(losses.path)
+        if first == 0 and (
+            _all_whole(columns["t"]) if unit == "s" else are_thousands(columns["t"])
+        ):
+            raise unclear_unit(losses.path, unit == "s")
     exponent = time_exponent(unit)
     out = losses.room(len(columns["t"]))
     events = pack_good(columns, exponent, normalise=False, out=out)
@@ -114,62 +112,23 @@ def pieces_of(source: Any, options: Options, losses: Losses, first: int = 0) -> 
         yield events_of(piece, options, losses, first + start)
 
 
-def plain_polarity(events: Events, losses: Losses, first: int) -> Events:
-    """Return the events with the polarity that their numbers mean; `first` as in `events_of`."""
-    if (p := _polarity(events["p"], losses, first)) is not None:
-        events["p"] = p
-    return events
+def check_polarity(p: npt.NDArray[Any], losses: Losses) -> None:
+    """Refuse numbers that do not say which of them is ON; a few odd ones are damage.
 
-
-def _polarity(p: npt.NDArray[Any], losses: Losses, first: int) -> npt.NDArray[Any] | None:
-    """Map polarity that is neither 0 and 1 nor -1 and 1, as the first events decide; None if plain.
-
-    Raises
-    ------
-    ValueError
-        The numbers could mean several things.
+    Plain are 0 and 1, or -1 and 1. Once both of a pair have been seen, the rest is not looked at.
     """
-    if p.dtype.kind == "b" or losses.off_on == PLAIN:
-        return None
-    if losses.off_on is None:
-        some = p if first == 0 else p[::_EVERY]
-        losses.off_on = _off_on(some[some == some], losses.path, first)
-        if losses.off_on in (None, PLAIN):
-            return None
-    off, on = losses.off_on
-    return np.where(p == off, 0, np.where(p == on, 1, p))
-
-
-def _off_on(p: npt.NDArray[Any], path: Path, first: int) -> tuple[float, float] | None:
-    """Return which numbers are OFF and ON; None where one number alone is plain."""
-    if p.size == 0:
-        return None
-    if p.dtype.kind != "f" and p.min() == 0 and p.max() == 1:
-        return PLAIN
-    values, counts = np.unique(p, return_counts=True)
+    if losses.has_plain_polarity or p.dtype.kind == "b" or p.size == 0:
+        return
+    values, counts = np.unique(p[p == p], return_counts=True)
     plain = max(int(counts[np.isin(values, pair)].sum()) for pair in ((0, 1), (-1, 1)))
-    found = tuple(values.tolist())
-    if plain == p.size or (len(found) > 2 and plain >= (1 - _DAMAGED) * p.size):
-        return PLAIN if len(found) > 1 else None
-    pair = _PAIRS.get(found) or (found if len(found) == 2 and found[0] < 0 < found[1] else None)
-    if pair is None or (first and pair[1] != 1):  # 1 was read as ON before
-        listed = ", ".join(f"{value:g}" for value in found[:4]) + ", ..." * (len(found) > 4)
+    is_damaged = len(values) > 2 and plain >= (1 - _DAMAGED) * p.size
+    if plain < counts.sum() and not is_damaged:
+        listed = ", ".join(f"{value:g}" for value in values[:4]) + ", ..." * (len(values) > 4)
         raise ValueError(
-            f"p = {listed}: the polarity in {path} does not say which number is ON; "
-            "is this column the polarity? Write it as 0 and 1, or leave it out"
+            f"p = {listed}: the polarity in {losses.path} does not say which number is ON; is this "
+            "column the polarity? Write it as 0 and 1, or leave it out, with '-' in order"
         )
-    return pair
-
-
-def from_one(columns: Columns, losses: Losses) -> Columns:
-    """Count pixels from 0 that MATLAB counted from 1, as it does where OFF is 1 and ON is 2."""
-    x, y, p = (columns.get(role) for role in "xyp")
-    if x is None or y is None or p is None or not p.size:
-        return columns
-    if losses.from_one is None:
-        is_matlab = np.array_equal(np.unique(p), (1, 2))
-        losses.from_one = bool(is_matlab and x.min() >= 1 and y.min() >= 1)
-    return columns | {"x": x - 1, "y": y - 1} if losses.from_one else columns
+    losses.has_plain_polarity = len(values) > 1
 
 
 def _all_whole(times: npt.NDArray[Any]) -> bool:
@@ -228,39 +187,15 @@ def as_rows(shape: tuple[int, ...], order: str | None = None) -> tuple[int, bool
     return (shape[1], True) if shape[0] == count else None
 
 
-def order_of(path: Path, name: str, rows: npt.NDArray[Any], order: str | None) -> str:
-    """Return `order`, else the arrangement that the first `rows` allow; a question if several."""
-    if order is not None:
-        if len(order) != rows.shape[1]:
-            raise ValueError(
-                f"order = {order!r}: names {len(order)} columns, {name} in {path} has "
-                f"{rows.shape[1]}"
-            )
-        return order
-    if len(rows) == 0:
-        return "txyp"
-    columns = range(4)
-    times = [i for i in columns if _only_a_time(rows[:, i])]
-    if len(times) != 1:
-        times = [i for i in columns if _ascends(rows[:, i])]
-    signs = [i for i in columns if i not in times and _only_signs(rows[:, i])]
-    if len(times) != 1 or len(signs) != 1:
+def by_order(path: Path, name: str, rows: npt.NDArray[Any], order: str | None) -> Columns:
+    """Name the columns of a matrix as the user says; a question where nothing was said."""
+    count = rows.shape[1]
+    if order is None:
         raise ValueError(
-            f"order = None: the values of {name} in {path} do not say which of its 4 columns are "
-            "t and p; give order, such as order='txyp'"
+            f"order = None: {name} in {path} does not say what its {count} columns are; give "
+            "order, such as order='txyp'"
         )
-    found = dict.fromkeys(times, "t") | dict.fromkeys(signs, "p")
-    addresses = iter("xy")
-    return "".join(found.get(i) or next(addresses) for i in columns)
-
-
-def _only_a_time(column: npt.NDArray[Any]) -> bool:
-    return bool(np.any(column > _MAX_ADDRESS) or np.any(column != np.floor(column)))
-
-
-def _only_signs(column: npt.NDArray[Any]) -> bool:
-    return bool(np.isin(column, (-1, 0, 1)).all()) or np.array_equal(np.unique(column), (1, 2))
-
-
-def _ascends(column: npt.NDArray[Any]) -> bool:
-    return bool(column[0] < column[-1] and np.all(column[1:] >= column[:-1]))
+    if len(order) != count:
+        fault = f"names {len(order)} columns, {name} in {path} has {count}"
+        raise ValueError(f"order = {order!r}: {fault}")
+    return columns_by_order(rows, order)

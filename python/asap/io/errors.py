@@ -56,11 +56,14 @@ def cut_file(path: Path, offset: int, format_name: str, fault: str) -> CutFile:
     return CutFile(path, offset, f"{fault}; {what}. Copy it again; a file never closed is lost")
 
 
-def unclear_unit(path: Path) -> ValueError:
-    """Whole numbers that are stored as floats: seconds or microseconds, only the user knows."""
+def unclear_unit(path: Path, are_floats: bool) -> ValueError:
+    """Return the question for a unit that only the user knows."""
+    what, other = "whole numbers written as floats", "s"
+    if not are_floats:
+        what, other = "whole multiples of 1000", "ns"
     return ValueError(
-        f"time_unit = None: the times of {path} are whole numbers written as floats; "
-        "say time_unit='s' or time_unit='us'"
+        f"time_unit = None: the times of {path} are {what}; say time_unit='us' or "
+        f"time_unit={other!r}"
     )
 
 

@@ -22,13 +22,12 @@ import numpy as np
 import numpy.typing as npt
 
 from asap import _stamps
-from asap.events import FIELD_NAMES, Events, columns_by_order
+from asap.events import FIELD_NAMES, Events
 from asap.io.columns import (
     as_rows,
+    by_order,
     file_columns,
     first_us,
-    from_one,
-    order_of,
     pieces_of,
     row_before,
 )
@@ -42,7 +41,6 @@ from asap.io.errors import (
     refuse_bomb,
 )
 from asap.io.reader import CHUNK, Losses, Options, choose_stream, new_room, size_of
-from asap.io.sniff import first_bytes
 
 h5py = library("h5py", "HDF5", "hdf5")
 
@@ -61,7 +59,6 @@ class Hdf5Reader:
 
     def __init__(self, path: Path, options: Options) -> None:
         self._path = path
-        self._is_matlab = first_bytes(path).startswith(b"MATLAB")
         with self._open() as file:
             with foreign(path):
                 layouts = _find_layouts(path, file, options)
@@ -83,8 +80,8 @@ class Hdf5Reader:
             self._order = options.order
             if layout.is_matrix:
                 with foreign(path):
-                    rows = self._sources(file)["matrix"].rows(0, min(layout.rows, CHUNK))
-                self._order = order_of(path, layout.name, rows, options.order)
+                    rows = self._sources(file)["matrix"].rows(0, 0)
+                by_order(path, layout.name, rows, options.order)
             elif options.order is not None:
                 file_columns(path, dict.fromkeys(layout.datasets, np.empty(0)), options.order)
         self._options = Options(None, options.time_unit)
@@ -123,12 +120,10 @@ class Hdf5Reader:
     ) -> Iterator[Events]:
         source: Any = rows.get("records", rows)
         if self._layout.is_matrix:
-            source = columns_by_order(rows["matrix"], self._order or "txyp")
+            source = by_order(self._path, self._layout.name, rows["matrix"], self._order)
         elif self._layout.t_offset and not self._adds_later:
             offset = np.asarray(self._layout.t_offset)
             source = rows | {"t": _stamps.shifted(rows["t"], offset)}
-        if self._is_matlab and not isinstance(source, np.ndarray):
-            source = from_one(source, losses)
         for events in pieces_of(source, self._options, losses, first):
             if self._layout.t_offset and self._adds_later:
                 events["t"] += self._layout.t_offset

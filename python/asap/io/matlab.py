@@ -18,8 +18,8 @@ import numpy as np
 import numpy.typing as npt
 
 from asap._checks import named
-from asap.events import FIELD_NAMES, Columns, Events, columns_by_order
-from asap.io.columns import as_rows, file_columns, from_one, order_of, pieces_of
+from asap.events import FIELD_NAMES, Columns, Events
+from asap.io.columns import as_rows, by_order, file_columns, pieces_of
 from asap.io.errors import (
     CorruptFile,
     CutFile,
@@ -29,7 +29,7 @@ from asap.io.errors import (
     library,
     refuse_bomb,
 )
-from asap.io.reader import CHUNK, Losses, Options, choose_stream, size_of
+from asap.io.reader import Losses, Options, choose_stream, size_of
 
 scipy_io = library("scipy.io", "MATLAB", "matlab")
 
@@ -84,7 +84,7 @@ class MatlabReader:
         if missing:
             unread = CorruptFile(self._path, 0, f"{missing[0]} cannot be read")
             raise unread if self._cut is None else _nothing_left(self._cut)
-        columns = from_one(self._columns({name: values[name] for name in names}), losses)
+        columns = self._columns({name: values[name] for name in names})
         unit = self._options.time_unit
         t = columns["t"]
         if unit is None and t.dtype.kind == "f" and bool((t == np.floor(t)).all()):
@@ -150,8 +150,7 @@ class MatlabReader:
     def _of_matrix(self, matrix: npt.NDArray[Any]) -> Columns:
         count = as_rows(matrix.shape, self._options.order) or as_rows(matrix.shape)
         rows = matrix.T if count is not None and count[1] else matrix
-        order = order_of(self._path, self._stream, rows[:CHUNK], self._options.order)
-        return columns_by_order(rows, order)
+        return by_order(self._path, self._stream, rows, self._options.order)
 
 
 def _structs(name: str, value: Any, depth: int = 0) -> Iterator[tuple[str, dict[str, Any]]]:

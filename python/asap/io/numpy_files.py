@@ -25,7 +25,6 @@ from asap.io.columns import (
     events_of,
     file_columns,
     first_us,
-    order_of,
     pieces_of,
     row_before,
 )
@@ -87,11 +86,7 @@ class NpyReader:
             raise CorruptFile(path, self._end, f"{self._promised} events promised, the file ends")
         with foreign(path, header.end):
             rows = header.stand_in(self.expected)
-        order = options.order
-        if order is None and header.dtype.kind in "biuf" and as_rows(header.shape):
-            order = order_of(path, "the array", self._rows(0, min(self.expected, CHUNK)), None)
-            self._options = replace(options, order=order)
-        file_columns(path, rows, order, first=1)
+        file_columns(path, rows, options.order, first=1)
 
     def chunks(self, losses: Losses, from_us: int | None = None) -> Iterator[Events]:
         """Map the file window by window and convert it piece by piece."""
@@ -151,17 +146,12 @@ class NpzReader:
         """Read the arrays side by side and convert them piece by piece."""
         arrays = {key: header.stand_in() for key, header in self._headers.items()}
         whole = arrays if len(arrays) > 1 else arrays.popitem()[1]
-        options = self._options
-        if isinstance(whole, np.ndarray) and options.order is None and as_rows(whole.shape):
-            rows = next(self._pieces(next(iter(self._headers))), whole)
-            if rows.dtype.kind in "biuf":
-                options = replace(options, order=order_of(self._path, "the array", rows, None))
-        file_columns(self._path, whole, options.order, first=1)
+        file_columns(self._path, whole, self._options.order, first=1)
         pieces = {key: self._pieces(key) for key in self._headers}
         for start in range(0, self.expected, CHUNK):
             columns = {key: next(piece) for key, piece in pieces.items()}
             source = columns if len(columns) > 1 else columns.popitem()[1]
-            yield events_of(source, options, losses, start)
+            yield events_of(source, self._options, losses, start)
 
     def _pieces(self, key: str) -> Iterator[npt.NDArray[Any]]:
         """Rows of one array."""

@@ -33,6 +33,6 @@ class PartsReader:
         """Read the files in the order in which they were given."""
         for path, reader in zip(self._paths, self._readers, strict=True):
             part = Losses(path, losses.on_bad, room=losses.room)
-            part.off_on, part.from_one = losses.off_on, losses.from_one
+            part.has_plain_polarity = losses.has_plain_polarity
             yield from reader.chunks(part)
             losses.add(part)

@@ -22,7 +22,6 @@ from asap.io.errors import CorruptFile, LossWarning, TruncatedFileWarning
 CHUNK = 1 << 16  # events that a reader hands on at once, about
 #: What names state the size of the sensor.
 SIZE = re.compile("(?:sensor_|image_|img_)?(width|height|resolution|geometry|size)", re.IGNORECASE)
-PLAIN = (0, 1)  # polarity that is OFF and ON; above 0 is ON
 _MOST_EXPECTED = 1 << 28
 _MOST_TRIGGERS = 1 << 20  # kept for `Recording.triggers`; the others are counted
 
@@ -99,9 +98,8 @@ class Losses:
     guessed_unit: str | None = None  # unit of the times, where neither file nor user states it
     lost_packets: int = 0  # that the numbers of those in the file skip
     between_pixels: int = 0  # of the bad records: x or y is no whole number
-    off_on: tuple[float, float] | None = None  # polarities that are OFF and ON, once it is known
+    has_plain_polarity: bool = False  # 0 and 1, or -1 and 1, have been seen
     sorted_stamps: int = 0  # events that came late and were sorted in
-    from_one: bool | None = None  # x and y count from 1
     room: Room = new_room  # memory for the events that are read next
 
     def count_sorted(self, events: int) -> None:
@@ -114,7 +112,7 @@ class Losses:
             setattr(self, name, getattr(self, name) + getattr(part, name))
         self.cut = self.cut or part.cut
         self.guessed_unit = part.guessed_unit
-        self.off_on, self.from_one = part.off_on, part.from_one
+        self.has_plain_polarity = part.has_plain_polarity
 
     @property
     def rejected(self) -> dict[str, int]:
@@ -127,17 +125,8 @@ class Losses:
         }
 
     @property
-    def understood(self) -> Iterator[str]:
-        """Say how numbers were understood that could have been others."""
-        if self.off_on not in (None, PLAIN):
-            off, on = self.off_on
-            pixels = ", and x and y count from 1, as in MATLAB" if self.from_one else ""
-            yield f"polarity {off} is read as OFF and {on} as ON{pixels}"
-
-    @property
     def said(self) -> Iterator[str]:
         """Say what of the file the user would not expect."""
-        yield from self.understood
         if self.lost_packets:
             yield (
                 f"{self.lost_packets} packets are missing, as their numbers say; events after a "

@@ -240,10 +240,7 @@ class Recording:
 
     def _checked(self, from_us: int | None = None) -> Iterator[Events]:
         """Read it from the start, or from a place before `from_us` where the format has one."""
-        known = self._losses
         losses, validator = self._losses, self._validator = self._books()
-        if from_us is not None:  # the first events have decided it
-            losses.off_on, losses.from_one = known.off_on, known.from_one
         count, head = 0, np.zeros(1, np.int64)
         for events in self._chunks(losses, from_us):
             good, stray = validator.check_recorded(events)

@@ -5,8 +5,8 @@ What the columns and the unit of time are is decided from the first lines, unles
 * columns: a header line with names (``t,x,y,p``, also after a ``#``), else four columns are
   ``t x y p``, and any other number of them needs `order`;
 * unit: the header (``t_us``, ``time [s]``), else seconds if a time is written with a decimal
-  point, else microseconds. Where every column is written like a float (NumPy's ``savetxt``) and the
-  times are whole, both are possible, and the user is asked;
+  point, else microseconds. The user is asked where times with a point are whole, or times without
+  one all multiples of 1000;
 * a first line of two numbers is the sensor's width and height.
 """
 
@@ -19,10 +19,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import IO
 
+import numpy as np
+
 from asap import _core
-from asap._stamps import time_exponent
+from asap._stamps import are_thousands, time_exponent
 from asap.events import FIELD_NAMES, Events, check_order
-from asap.io.columns import first_us, plain_polarity, row_before
+from asap.io.columns import check_polarity, first_us, row_before
 from asap.io.errors import CorruptFile, unclear_unit
 from asap.io.reader import Losses, Options
 
@@ -68,7 +70,6 @@ class TextReader:
             self._layout = _find_layout(path, _front(file), options)
         self.format = "csv" if self._layout.separator in b",;" else "text"
         self.width, self.height = self._layout.width, self._layout.height
-        self._taken = 0
         #: Events in the file, about: its lines are seldom shorter than the first.
         self.expected = int((path.stat().st_size - self._layout.start) / self._layout.line_bytes)
 
@@ -104,7 +105,6 @@ class TextReader:
         losses.guessed_unit = self._layout.unit if self._layout.guessed else None
         decoder = self._decoder(losses, at)
         last_line = at
-        self._taken = 0
         with self._path.open("rb") as file:
             file.seek(at)
             while piece := file.read(_PIECE):
@@ -122,8 +122,8 @@ class TextReader:
         losses.clamped_positions = decoder.clamped_positions
         losses.take_bad_records(decoder, self._line_at)
         losses.between_pixels = decoder.bad_records if self._layout.between_pixels else 0
-        first, self._taken = self._taken, self._taken + len(events)
-        return plain_polarity(events, losses, first)
+        check_polarity(events["p"], losses)
+        return events
 
     def _line_at(self, offset: int) -> str:
         with self._path.open("rb") as file:
@@ -278,11 +278,12 @@ def _goes_back(rows: list[list[bytes]], column: int) -> bool:
 
 def _unit_of(path: Path, rows: list[list[bytes]], order: str) -> str:
     times = [row[order.index("t")] for row in rows]
-    if not any(_is_float(time) for time in times):
+    are_floats = any(map(_is_float, times))
+    numbers = np.array([float(time) for time in times])
+    if not are_floats and not are_thousands(numbers.astype(np.int64)):
         return "us"
-    everywhere = all(_is_float(field) for row in rows for field in row)
-    if everywhere and all(float(time).is_integer() for time in times):
-        raise unclear_unit(path)
+    if not are_floats or np.array_equal(numbers, np.floor(numbers)):
+        raise unclear_unit(path, are_floats)
     return "s"
 
 

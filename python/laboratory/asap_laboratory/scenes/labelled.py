@@ -122,7 +122,7 @@ def labelled(folder: str | os.PathLike[str]) -> LabelledScene:
 
 def _events(path: Path, width: int, height: int) -> Events:
     try:
-        events = load(path, width=width, height=height, on_bad="raise")
+        events = load(path, width=width, height=height, on_bad="raise", time_unit="us")
     except ValueError as error:
         raise ValueError(error if str(path) in str(error) else f"{path}: {error}") from error
     if not events.size:
