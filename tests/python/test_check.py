@@ -65,7 +65,6 @@ def test_facts_of_a_clean_recording() -> None:
     assert found.rate_peak_10ms_hz == np.bincount(elapsed // 10_000).max() * 1e2
     assert found.rate_peak_100ms_hz == np.bincount(elapsed // 100_000).max() * 1e1
     assert found.longest_gap_us == np.diff(elapsed).max()
-    assert found.most_on_one_stamp == 1
     counts = np.zeros((corrupt.HEIGHT, corrupt.WIDTH), int)
     np.add.at(counts, (EVENTS["y"], EVENTS["x"]), 1)
     np.testing.assert_array_equal(found.pixel_counts, counts)
@@ -130,45 +129,6 @@ def test_gaps(gap_us: int, expected: str | None) -> None:
     assert outcome(found) == ({"gaps": (1, expected, *at)} if expected else {})
 
 
-def test_stuck_time() -> None:
-    crowd = EVENTS.copy()
-    crowd["t"][65_500:65_601] = crowd["t"][65_500]
-    crowd["t"][65_601:] -= crowd["t"][65_601] - crowd["t"][65_600] - 1000
-    found = check(crowd)
-    at = (65_500, int(crowd["t"][65_500]))
-    assert outcome(found) == {"same_stamp": (1, "note", *at), "stuck_time": (1, "wrong", *at)}
-    assert found.findings["stuck_time"].detail == "1 ms in all"
-
-
-@pytest.mark.parametrize(
-    ("size", "apart_us", "bands", "share"),
-    [
-        (4, 10, 1750, "10.0 %"),
-        (4, 9, 0, ""),
-        (3, 10, 0, ""),
-        (5, 10, 1400, "10.0 %"),
-    ],
-)
-def test_bands_of_equal_stamps(size: int, apart_us: int, bands: int, share: str) -> None:
-    banded = EVENTS.copy()
-    step = np.full(banded.size, 9)  # a tenth of the events stand in bands, the others alone
-    at = np.arange(1000, 8000)
-    step[at] = np.where((at - 1000) % size == 0, apart_us, 0)
-    step[8000] = apart_us
-    banded["t"] = 5 + np.cumsum(step)
-    found = check(banded)
-    first = (1000, int(banded["t"][1000]))
-    assert outcome(found) == ({"banding": (bands, "note", *first)} if bands else {})
-    assert found.findings["banding"].detail == (f"{share} of the events in bands" if share else "")
-
-
-@pytest.mark.parametrize(("count", "verdict"), [(3500, "note"), (3700, "wrong")])
-def test_duplicates(count: int, verdict: str) -> None:
-    bad = corrupt.duplicates(EVENTS, count)[: 70_000 + count]
-    again = np.append(False, (np.diff(bad["t"]) == 0))
-    assert outcome(check(bad)) == {"duplicates": (count, verdict, *place(bad, again))}
-
-
 def test_noise_is_named() -> None:
     """Static noise is found too: a pixel is no neighbour of itself."""
     noise = corrupt.clean_events(20_000)
@@ -228,20 +188,11 @@ def slowly(events: Events) -> dict[str, tuple[int, int | None, int | None]]:
         name: []
         for name in (
             *("bad_records", "out_of_bounds", "back_steps", "clock_resets", "gaps"),
-            *("same_stamp", "stuck_time", "duplicates", "polarity"),
+            "polarity",
         )
     }
     last: int | None = None
     offset = 0
-    run: list[tuple[int, int, tuple[int, ...]]] = []
-
-    def close(jump_us: int) -> None:
-        first = run[0][:2]
-        if len(run) > 100:
-            found["same_stamp"].append(first)
-            if jump_us >= 1000:
-                found["stuck_time"].append(first)
-        run.clear()
 
     for number, (x, y, p, t) in enumerate(events.tolist()):
         here = (number, t)
@@ -262,14 +213,7 @@ def slowly(events: Events) -> dict[str, tuple[int, int | None, int | None]]:
         now = t + offset
         if last is not None and now - last >= 100_000:
             found["gaps"].append(here)
-        if last is not None and now != last:
-            close(now - last)
-        if (x, y, int(p > 0)) in [one for *_, one in run]:
-            found["duplicates"].append(here)
-        run.append((number, t, (x, y, int(p > 0))))
         last = now
-    if run:
-        close(0)
     return {name: (len(at), *(at[0] if at else (None, None))) for name, at in found.items()}
 
 
@@ -316,8 +260,7 @@ def test_wild_streams_are_told_as_by_the_definitions(
 def everything_wrong() -> Events:
     bad = corrupt.back_steps(EVENTS[:20_000], 40)
     bad = corrupt.outside_sensor(bad, 30, seed=1)
-    bad = corrupt.duplicates(corrupt.odd_polarity(bad, 50, seed=2), 30, seed=3)
-    bad = corrupt.one_stamp(bad, 9_000, 700)
+    bad = corrupt.odd_polarity(bad, 50, seed=2)
     bad = corrupt.gap(corrupt.clock_reset(bad, 15_000), 17_000, 40_000_000)
     bad["x"][::9], bad["y"][::9] = 30, 40
     return bad
@@ -328,8 +271,7 @@ def test_blocks_do_not_matter(block: int, monkeypatch: pytest.MonkeyPatch) -> No
     bad = everything_wrong()
     whole = check(bad)
     assert set(outcome(whole)) == {
-        *("out_of_bounds", "back_steps", "clock_resets", "gaps", "same_stamp", "stuck_time"),
-        *("duplicates", "polarity", "hot_pixels"),
+        *("out_of_bounds", "back_steps", "clock_resets", "gaps", "polarity", "hot_pixels"),
     }
     monkeypatch.setattr(raw_source, "BLOCK", block)
     for cut in (bad, iter([bad[:5], None, bad[5:5], bad[5:15_001], bad[15_001:]])):
@@ -461,7 +403,6 @@ def assert_facts(found: asap.Inspection, known: dict[str, Any]) -> None:
     assert found.rate_peak_1ms_hz == pytest.approx(known["peak_1ms_ev_s"])
     assert found.rate_peak_10ms_hz == pytest.approx(known["peak_10ms_ev_s"])
     assert found.longest_gap_us == known["max_gap_us"]
-    assert found.most_on_one_stamp == known["max_events_on_one_timestamp"]
     assert found.findings["back_steps"].count == known["backward_steps"]
     assert (found.pixel_counts > 0).sum() == known["pixels_seen"]
     top = found.busiest_pixels["events"].sum() / found.events

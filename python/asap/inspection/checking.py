@@ -74,7 +74,6 @@ def check(
                 on_progress(door.seen, None, {})
             if len(passed.events):
                 meters.add(passed)
-    meters.stamps.finish()
     duration_s = meters.duration_us / 1e6
     peaks_hz = meters.peaks_hz
     return Inspection(
@@ -92,7 +91,6 @@ def check(
         rate_peak_10ms_hz=peaks_hz[10],
         rate_peak_100ms_hz=peaks_hz[100],
         longest_gap_us=meters.steps.longest_us,
-        most_on_one_stamp=meters.stamps.most,
         findings={finding.name: finding for finding in judge(raw, door, meters)},
         hot_pixels=meters.pixels.hot(),
         busiest_pixels=meters.pixels.busiest(),

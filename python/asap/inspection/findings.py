@@ -10,12 +10,8 @@ from asap import _units
 from asap._foreign import unit_doubt
 from asap.inspection.meters import (
     ALONE_US,
-    BAND,
-    BAND_GAP_US,
-    CROWD,
     GAP_US,
     MAX_SIDE,
-    STUCK_US,
     Door,
     Meters,
     PixelMap,
@@ -27,11 +23,9 @@ from asap.results.data import NOTE, OK, WRONG, Finding
 
 WRONG_GAP_US = 1_000_000  # so far ahead is as odd as so far back, which is a clock reset
 # Shares of the good events.
-WRONG_DUPLICATES = 0.05  # below, no algorithm notices
 NOISE = 0.5  # without a neighbour; sound recordings have up to 0.45
 ALL_NOISE = 0.9  # of the share that events at random would have; sound recordings have up to 0.7
 WRONG_HOT = 0.1
-BANDED = 0.1
 MOST_LATE = 4  # late events per one that a run drops: of two packets that changed places
 ENOUGH = 100  # events, to expect both polarities
 
@@ -40,7 +34,6 @@ _COUNTER_BITS = (23, 24, 30, 31, 32)  # counters of cameras and formats, in us
 
 def judge(raw: RawSource, door: Door, meters: Meters) -> Iterator[Finding]:
     """Judge every check, once the source has been read."""
-    stamps = meters.stamps
     yield _empty(door, meters, raw)
     yield _records(raw, door)
     yield _truncated(raw)
@@ -63,26 +56,6 @@ def judge(raw: RawSource, door: Door, meters: Meters) -> Iterator[Finding]:
     )
     yield _gaps(meters.steps)
     yield _time_unit(raw, meters)
-    yield _found(
-        "same_stamp",
-        stamps.crowded,
-        NOTE,
-        f"at most {_units.count(stamps.most)} events on one stamp",
-        f"More than {CROWD} events on one stamp: a rate over so short a span says nothing; "
-        "ASAP's own meter looks at time and count. Is the sensor saturated, or are the stamps "
-        "coarse?",
-    )
-    yield _found(
-        "stuck_time",
-        stamps.stuck,
-        WRONG,
-        f"{_units.duration(stamps.stuck_us)} in all" if stamps.stuck.count else "",
-        f"The clock stood while events came in, then jumped by {_units.duration(STUCK_US)} or "
-        "more: latencies below that are not in these stamps. Look for stamps per frame or per USB "
-        "packet instead of per event.",
-    )
-    yield _banding(meters)
-    yield _duplicates(meters)
     yield _polarity(door, meters)
     yield _noise(meters)
     yield _hot_pixels(meters)
@@ -137,7 +110,7 @@ def _truncated(raw: RawSource) -> Finding:
         "truncated",
         1,
         WRONG,
-        "the file ends too early, or breaks",
+        raw.losses.cut.fault,
         "What stands before is read. Copy the file again; a recording that was never closed "
         "lost its end.",
         byte=raw.losses.cut.offset,
@@ -231,35 +204,6 @@ def _time_unit(raw: RawSource, meters: Meters) -> Finding:
         return Finding("time_unit", 0, OK, "")
     detail, remedy = doubt
     return Finding("time_unit", 1, NOTE, detail, _sentence(remedy), 0, meters.first_stamp_us)
-
-
-def _banding(meters: Meters) -> Finding:
-    bands = meters.stamps.bands
-    share = meters.stamps.banded_events / meters.events if meters.events else 0.0
-    words = f"{_units.share(share)} of the events in bands" if bands.count else ""
-    return _found(
-        "banding",
-        bands if share >= BANDED else Tally(),
-        NOTE,
-        words,
-        f"Bands of {BAND} or more events on one stamp, then none for {BAND_GAP_US} us or more: "
-        "coarse stamps, or a sensor whose readout saturates. The order within a band, and what is "
-        "shorter than the time between two, is not in these stamps.",
-    )
-
-
-def _duplicates(meters: Meters) -> Finding:
-    tally = meters.duplicates.tally
-    share = tally.count / meters.events if meters.events else 0.0
-    return _found(
-        "duplicates",
-        tally,
-        WRONG if share > WRONG_DUPLICATES else NOTE,
-        f"{_units.share(share)} of the events" if tally.count else "",
-        "A pixel cannot fire twice in 1 us: the same data were written twice, or the stamps are "
-        f"coarse. A run takes each as an event, which below {WRONG_DUPLICATES:.0%} harms no "
-        "algorithm. Without them: events[np.sort(np.unique(events, return_index=True)[1])].",
-    )
 
 
 def _noise(meters: Meters) -> Finding:

@@ -26,10 +26,6 @@ _LAST_US = 1 << 52
 _MAX_STAMP_US = _LAST_US - (1 << 50)  # beyond it the core refuses a stamp
 
 GAP_US = 100_000  # so long without an event is a gap
-CROWD = 100  # events on one stamp; sound recordings have up to 94
-STUCK_US = 1_000  # a crowded stamp after which time jumps by so much: the clock stood
-BAND = 4  # events on one stamp ...
-BAND_GAP_US = 10  # ... and none for so long: a band; sound recordings have 0.1 % of events in bands
 
 MAX_SIDE = 4096  # px of the map, which bounds its memory
 HOT_EVENTS = 100  # a hot pixel has at least so many events,
@@ -187,86 +183,6 @@ class Steps:
         self._last_us = int(t[-1])
 
 
-class Stamps:
-    """Runs of events on one stamp; a run is told by its first event."""
-
-    def __init__(self) -> None:
-        self.crowded = Tally()
-        self.stuck = Tally()
-        self.bands = Tally()
-        self.banded_events = 0
-        self.most = 0
-        self.stuck_us = 0
-        self._open: tuple[int, int, int, int] | None = None  # stamp, size, number, own stamp
-
-    def add(self, passed: Passed) -> None:
-        """See a block, which is not empty."""
-        t: Integers = passed.events["t"]
-        begins = np.flatnonzero(np.diff(t, prepend=t[0] - 1))
-        stamps, numbers, own = t[begins], passed.numbers[begins], passed.stamps[begins]
-        sizes = np.diff(begins, append=len(t))
-        if self._open is not None:
-            stamp, size, number, own_stamp = self._open
-            if stamp == stamps[0]:
-                sizes[0] += size
-                numbers[0], own[0] = number, own_stamp
-            else:
-                stamps, sizes = np.append(stamp, stamps), np.append(size, sizes)
-                numbers, own = np.append(number, numbers), np.append(own_stamp, own)
-        self._close(sizes[:-1], np.diff(stamps), numbers[:-1], own[:-1])
-        self._open = (int(stamps[-1]), int(sizes[-1]), int(numbers[-1]), int(own[-1]))
-
-    def finish(self) -> None:
-        """Close the last run: no time passes after it."""
-        if self._open is not None:
-            _, *last = self._open
-            size, number, own = (np.array([value]) for value in last)
-            self._close(size, np.zeros(1, np.int64), number, own)
-            self._open = None
-
-    def _close(self, sizes: Integers, jumps_us: Integers, numbers: Integers, own: Integers) -> None:
-        self.most = max(self.most, int(sizes.max(initial=0)))
-        crowded = sizes > CROWD
-        stuck = crowded & (jumps_us >= STUCK_US)
-        band = (sizes >= BAND) & (jumps_us >= BAND_GAP_US)
-        self.crowded.add(numbers[crowded], own[crowded])
-        self.stuck.add(numbers[stuck], own[stuck])
-        self.bands.add(numbers[band], own[band])
-        self.banded_events += int(sizes[band].sum())
-        self.stuck_us += int(jumps_us[stuck].sum())
-
-
-class Duplicates:
-    """Events that equal an earlier one in x, y, p and t.
-
-    Equal stamps are neighbours, so that only the distinct events of the open stamp are remembered.
-    """
-
-    def __init__(self) -> None:
-        self.tally = Tally()
-        self._open_us: int | None = None
-        self._remembered = np.empty(0, np.int64)
-
-    def add(self, passed: Passed) -> None:
-        """See a block, which is not empty."""
-        events = passed.events
-        t: Integers = events["t"]
-        if self._open_us != t[0]:
-            self._remembered = np.empty(0, np.int64)
-        # 33 bits for pixel and polarity, above them the number of the stamp in the block.
-        stamp = np.cumsum(np.diff(t, prepend=t[0]) > 0)
-        pixel = events["y"].astype(np.int64) << 16 | events["x"]
-        keys = np.append(self._remembered, stamp << 33 | pixel << 1 | events["p"])
-        order = np.argsort(keys, kind="stable")
-        ascending = keys[order]
-        again = order[1:][ascending[1:] == ascending[:-1]] - self._remembered.size
-        again.sort()
-        self.tally.add(passed.numbers[again], passed.stamps[again])
-        last = ascending[np.searchsorted(ascending, stamp[-1] << 33) :]
-        self._remembered = np.unique(last & ((1 << 33) - 1))
-        self._open_us = int(t[-1])
-
-
 class Alone:
     """Events without an earlier one at a neighbouring pixel; its own pixel does not count."""
 
@@ -400,7 +316,7 @@ class Meters:
     """All that looks at the good events of a source, and what only needs counting."""
 
     def __init__(self, width: int | None, height: int | None) -> None:
-        self.steps, self.stamps, self.duplicates = Steps(), Stamps(), Duplicates()
+        self.steps = Steps()
         self.pixels = PixelMap(width, height)
         self.curve = RateCurve()
         sides = (width or 0, height or 0)
@@ -421,8 +337,6 @@ class Meters:
         self.events += len(t)
         self.on += int(np.count_nonzero(passed.events["p"]))
         self.steps.add(passed)
-        self.stamps.add(passed)
-        self.duplicates.add(passed)
         self.pixels.add(passed)
         if self.alone is not None:
             self.alone.add(passed)

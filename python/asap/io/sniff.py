@@ -39,24 +39,18 @@ _REFUSED_BYTES = (
     (b"BZh", "packed by bzip2; unpack it first"),
     (b"\xfd7zXZ\x00", "packed by xz; unpack it first"),
     (b"\x28\xb5\x2f\xfd", "packed by zstd; unpack it first"),
-    (b"\x7fELF", "a program, no recording of events"),
-    (b"\x89PNG\r\n\x1a\n", "a PNG picture, no recording of events"),
-    (b"\xff\xd8\xff", "a JPEG picture, no recording of events"),
-    (b"%PDF-", "a PDF document, no recording of events"),
     (b"\xff\xfe", "text in UTF-16; save it in UTF-8"),
     (b"\xfe\xff", "text in UTF-16; save it in UTF-8"),
     (b"#!AER-DAT", f"AEDAT 1.0 or 3.0 is not read yet; what is: {SERVED}"),
 )
-_POINTER = "which stands for the recording: fetch it"
-_PAGE = "saved in the place of the recording; download the file itself"
+_PAGE = "a web page, saved in the place of the recording; download the file itself"
 _REFUSED_TEXT = (  # in small letters
-    (b"version https://git-lfs", f"a pointer of Git LFS, {_POINTER} with 'git lfs pull'"),
-    (b"/annex/objects/", f"a pointer of git-annex, {_POINTER} with 'git annex get'"),
-    (b"<!doctype html", f"a web page, {_PAGE}"),
-    (b"<html", f"a web page, {_PAGE}"),
-    (b"<head", f"a web page, {_PAGE}"),
-    (b"<?xml", f"an XML document, often the error of a server, {_PAGE}"),
-    (b'{"', f"a JSON document, often the error of a server, {_PAGE}"),
+    (
+        b"version https://git-lfs",
+        "a pointer of Git LFS; 'git lfs pull' fetches the file",
+    ),
+    (b"<!doctype html", _PAGE),
+    (b"<html", _PAGE),
 )
 _SUFFIXES_OF_40_BITS = (".bin", ".bs2")
 _AEDAT = ".aedat"

@@ -612,7 +612,7 @@ class Finding:
 class Inspection(Result):
     """The findings of `check` about a recording, and what it holds.
 
-    Rates, gaps, stamps, duplicates and pixels are those of the good events. Windows are aligned to
+    Rates, gaps and pixels are those of the good events. Windows are aligned to
     the first one; no more of a window counts than the recording lasts.
 
     Attributes
@@ -635,8 +635,6 @@ class Inspection(Result):
         Events per second: over all, and in the busiest window.
     longest_gap_us : int
         Longest time without an event.
-    most_on_one_stamp : int
-        Most events that share a stamp.
     findings : dict of str to Finding
         Every check by name, in the order of the table.
     hot_pixels, busiest_pixels : ndarray, fields x, y, events
@@ -664,7 +662,6 @@ class Inspection(Result):
     rate_peak_10ms_hz: float
     rate_peak_100ms_hz: float
     longest_gap_us: int
-    most_on_one_stamp: int
     findings: Mapping[str, Finding]
     hot_pixels: NDArray[np.void]
     busiest_pixels: NDArray[np.void]
@@ -709,7 +706,6 @@ class Inspection(Result):
                 "peak_100ms": self.rate_peak_100ms_hz,
             },
             "longest_gap_us": self.longest_gap_us,
-            "most_on_one_stamp": self.most_on_one_stamp,
             "intervals": [
                 {"from_us": from_us, "events": events}
                 for from_us, events in zip(

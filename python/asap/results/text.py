@@ -522,11 +522,6 @@ CHECKS = {
     "lost_packets": "numbers of packets that a bag skips",
     "gaps": "100 ms or more without an event; from 1 s on something is wrong",
     "time_unit": "whether times whose unit nothing states step as those of a camera",
-    "same_stamp": "stamps that more than 100 events share",
-    "stuck_time": "such stamps after which the time jumps by 1 ms or more",
-    "banding": "4 or more events on one stamp, then none for 10 us or more; told when they hold a "
-    "tenth of the events",
-    "duplicates": "events that equal an earlier one in all: wrong beyond one in twenty",
     "polarity": "values other than 0 and 1",
     "noise": "events without a neighbour for 20 ms; told when they are half of all",
     "hot_pixels": "pixels with at least 100 events, 0.1 % of all, and five times those of the "
