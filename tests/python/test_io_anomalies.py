@@ -10,6 +10,8 @@ import pytest
 
 import asap
 import corrupt
+import raw_files
+import record_files
 from asap.events import Events
 from asap.io import CorruptFile, TruncatedFileWarning
 from event_files import WRITERS, assert_equal_events
@@ -113,3 +115,44 @@ def test_A13_text_with_torn_lines(tmp_path: Path) -> None:
     rec = asap.read(path)
     assert_equal_events(np.concatenate(list(rec)), np.delete(EVENTS, [0, 700, 1400]))
     assert rec.rejected["bad_record"] == len(rec.bad_offsets) == 3
+
+
+SMALL = corrupt.clean_events(20_000)
+for axis in "xy":
+    SMALL[axis] %= record_files.SIDE
+
+
+def convert(path: Path, events: Events) -> None:
+    asap.convert(events, path, width=record_files.SIDE, height=record_files.SIDE)
+
+
+ZEROED: dict[str, Callable[..., object]] = {
+    **{f"{kind}.{'dat' if kind == 'dat' else 'raw'}": w for kind, w in raw_files.WRITERS.items()},
+    **{f"{kind}.{kind}": writer for kind, writer in record_files.WRITERS.items()},
+    **{f"{kind}.{kind}": writer for kind, writer in WRITERS.items() if kind != "npz"},
+    "aedat4.aedat4": convert,
+}
+
+
+@pytest.mark.parametrize("name", ZEROED)
+def test_zeros_to_the_end_are_named_and_no_events(tmp_path: Path, name: str) -> None:
+    if name.startswith("aedat4"):
+        pytest.importorskip("lz4")
+    path = tmp_path / f"events.{name.partition('.')[2]}"
+    told = {"height": record_files.SIDE} if name.startswith("es1") else {}
+    if name.startswith("atis40"):
+        told = {"file_format": "atis40"}
+    ZEROED[name](path, SMALL)
+    whole = asap.load(path, **told)
+    content = path.read_bytes()
+    half = len(content) // 2
+    path.write_bytes(content[:half] + bytes(len(content) - half))
+    rec = asap.read(path, **told)
+    with pytest.warns(TruncatedFileWarning, match=r"byte \d+: "):
+        events = np.concatenate(list(rec))
+    assert len(whole) / 4 < len(events) < len(whole) * 3 / 4
+    assert_equal_events(events, whole[: len(events)])
+    assert sum(rec.rejected.values()) == rec.clock_resets == 0
+    assert rec.truncated_at is not None and abs(rec.truncated_at - half) < 20_000
+    finding = asap.check(rec).findings["truncated"]
+    assert (finding.verdict, finding.byte) == ("wrong", rec.truncated_at)

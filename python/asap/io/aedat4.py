@@ -136,7 +136,7 @@ class Aedat4Reader:
         while at + 8 <= min(end, size):
             file.seek(at)
             stream, length = struct.unpack("<ii", file.read(8))
-            if not 0 <= length <= min(end, size) - at - 8:
+            if not 0 < length <= min(end, size) - at - 8:
                 break
             yield at, stream, length
             at += 8 + length

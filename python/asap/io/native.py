@@ -9,7 +9,7 @@ from pathlib import Path
 from asap import _core
 from asap.events import Events
 from asap.io.columns import row_before
-from asap.io.reader import CHUNK, Losses, Options, choose_stream, expected_of
+from asap.io.reader import CHUNK, Losses, Options, choose_stream, data_end, expected_of
 
 _PIECE = 1 << 18
 
@@ -63,10 +63,12 @@ class NativeReader:
         """Decode piece by piece; an array goes out when it is full."""
         decoder = self._opened.decoder(position, self._stream)
         buffer = memoryview(bytearray(_PIECE))
+        zeros = data_end(self._path)
+        end = zeros or self._path.stat().st_size
         out, filled = losses.room(CHUNK), 0
         with self._path.open("rb", buffering=0) as file:
             file.seek(position)
-            while size := file.readinto(buffer):
+            while size := file.readinto(buffer[: max(end - position, 0)]):
                 position, at = position + size, 0
                 while at < size:
                     used, written = decoder.decode_into(buffer[at:size], out[filled:])
@@ -77,7 +79,9 @@ class NativeReader:
                         out, filled = losses.room(CHUNK), 0
                 self._count(decoder, losses)
         yield out[:filled]
-        if decoder.unfinished:
+        if zeros:
+            losses.zeros(max(zeros, self._opened.start))
+        elif decoder.unfinished:
             losses.truncated(
                 position - decoder.unfinished,
                 f"the last record is cut: {decoder.unfinished} bytes of it are there",

@@ -29,7 +29,16 @@ from asap.io.columns import (
     row_before,
 )
 from asap.io.errors import CorruptFile, UnsupportedFormat, cut_file, foreign, refuse_bomb
-from asap.io.reader import CHUNK, SIZE, Losses, Options, choose_stream, new_room, size_of
+from asap.io.reader import (
+    CHUNK,
+    SIZE,
+    Losses,
+    Options,
+    choose_stream,
+    data_end,
+    new_room,
+    size_of,
+)
 
 _PACKED_BY_NUMPY = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # the others unpack without a limit
 
@@ -79,7 +88,9 @@ class NpyReader:
         if not header.shape:
             raise CorruptFile(path, header.end, "the array is a single value, not events")
         self._promised = header.shape[0]
-        present = (path.stat().st_size - header.end) // max(header.row_bytes, 1)
+        self._zeros = 0 if header.is_by_columns else data_end(path)
+        end = self._zeros or path.stat().st_size
+        present = max(end - header.end, 0) // max(header.row_bytes, 1)
         self.expected = min(self._promised, present)
         self._end = header.end + self.expected * header.row_bytes
         if self.expected < self._promised and (header.is_by_columns or self.expected == 0):
@@ -103,7 +114,9 @@ class NpyReader:
         by_rows = windows(begin, self.expected, header.row_bytes, CHUNK)
         for first, stop in whole if header.is_by_columns else by_rows:
             yield from pieces_of(self._rows(first, stop), self._options, losses, first)
-        if self.expected < self._promised:
+        if self._zeros:
+            losses.zeros(max(self._zeros, header.end))
+        elif self.expected < self._promised:
             losses.truncated(self._end, f"{self.expected} of {self._promised} events are there")
 
     def _rows(self, first: int, stop: int) -> npt.NDArray[Any]:

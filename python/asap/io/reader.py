@@ -23,6 +23,8 @@ CHUNK = 1 << 16  # events that a reader hands on at once, about
 #: What names state the size of the sensor.
 SIZE = re.compile("(?:sensor_|image_|img_)?(width|height|resolution|geometry|size)", re.IGNORECASE)
 _MOST_EXPECTED = 1 << 28
+_BLOCK = 1 << 20  # bytes
+_ZEROS = 4096  # bytes: a block of most file systems
 _MOST_TRIGGERS = 1 << 20  # kept for `Recording.triggers`; the others are counted
 
 
@@ -155,6 +157,10 @@ class Losses:
             raise self.cut
         warnings.warn(f"{self.cut}; what came before was read", TruncatedFileWarning, stacklevel=2)
 
+    def zeros(self, offset: int) -> None:
+        """Note that the file holds nothing but zeros from `offset` on."""
+        self.truncated(offset, "nothing but zero bytes from here to the end: it was not written")
+
     def tell(self, rejected: dict[str, int], clock_resets: int) -> None:
         """Warn the caller's caller of what was dropped, but not again of a record that was cut."""
         untold = rejected if self.cut is None else rejected | {"bad_record": 0}
@@ -198,6 +204,23 @@ def _sides(stated: Any) -> list[Any]:
             r"\d+", text if isinstance(text, str) else text.decode("ascii", "replace")
         )
     return values[:1] if len(values) != 2 else sorted(values, reverse=True)
+
+
+def data_end(path: Path) -> int:
+    """Return the byte where zeros begin that fill the file to its end, a block at least; else 0.
+
+    A download or a recorder allocates a file first: what a power cut kept from being written is 0.
+    A record that ends with zeros counts to them, because it may be torn.
+    """
+    end = size = path.stat().st_size
+    with path.open("rb") as file:
+        while end > 0:
+            start = max(end - _BLOCK, 0)
+            file.seek(start)
+            if rest := file.read(end - start).rstrip(b"\0"):
+                return start + len(rest) if size - start - len(rest) >= _ZEROS else 0
+            end = start
+    return 0
 
 
 class Reader(Protocol):

@@ -26,7 +26,7 @@ from asap._stamps import are_thousands, time_exponent
 from asap.events import FIELD_NAMES, Events, check_order
 from asap.io.columns import check_polarity, first_us, row_before
 from asap.io.errors import CorruptFile, unclear_unit
-from asap.io.reader import Losses, Options
+from asap.io.reader import Losses, Options, data_end
 
 _HEAD = 1 << 14
 _MOST = 1 << 24  # bytes of comments before the first line
@@ -105,13 +105,18 @@ class TextReader:
         losses.guessed_unit = self._layout.unit if self._layout.guessed else None
         decoder = self._decoder(losses, at)
         last_line = at
+        zeros = data_end(self._path)
+        end = zeros or self._path.stat().st_size
         with self._path.open("rb") as file:
             file.seek(at)
-            while piece := file.read(_PIECE):
+            while piece := file.read(min(_PIECE, max(end - at, 0))):
                 if b"\n" in piece:
                     last_line = at + piece.rindex(b"\n") + 1
                 at += len(piece)
                 yield self._counted(decoder, decoder.decode(piece), losses)
+        if zeros:
+            losses.zeros(zeros)
+            return
         events, ended_well = decoder.finish()
         yield self._counted(decoder, events, losses)
         if not ended_well:
@@ -140,7 +145,7 @@ def _front(file: IO[bytes]) -> bytes:
         size += len(line)
         if line.strip() and line.lstrip()[:1] not in b"#%":
             break
-    rest = file.read(_HEAD)
+    rest = file.read(_HEAD).rstrip(b"\0")
     return b"".join(lines) + (rest if len(rest) < _HEAD else rest[: rest.rfind(b"\n") + 1])
 
 
