@@ -211,6 +211,18 @@ def test_a_file_of_messages_that_are_packed_one_by_one(storage: str, tmp_path: P
         assert_equal_events(read_all(path)[0], EVENTS)
 
 
+def test_unrelated_bags_with_neighbouring_numbers_are_no_parts(tmp_path: Path) -> None:
+    types = Types("rosbag2")
+    first, second = tmp_path / "run_1.db3", tmp_path / "run_2.db3"
+    write_bag(first, types, packets(types, EVENTS, 20))
+    write_bag(second, types, [(TOPIC, types.packet(ENCODERS["evt3"](EVENTS, 0), "evt3"))])
+    for path in (first, second):  # a warning of siblings would be an error
+        assert_equal_events(asap.load(path), EVENTS)
+    for both in (tmp_path, [first, second]):
+        with pytest.raises(ValueError, match=r"run_2\.db3: its .* give the parts of one recording"):
+            asap.load(both)
+
+
 class TestDamage:
     @pytest.mark.parametrize("chunk_bytes", [0, 20_000])
     def test_mcap_without_its_end_gives_what_is_whole(

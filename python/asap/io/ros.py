@@ -57,20 +57,13 @@ class RosReader:
         self.format = kind
         self._path = path
         self._bag: Bag = _Parts(parts) if parts else open_bag(kind, path)
-        siblings = [] if parts or path.is_dir() else parts_of(path.parent, like=path)
-        if len(siblings) > 1:
-            warnings.warn(
-                f"{path} is one of {len(siblings)} parts, {siblings[0].name} to "
-                f"{siblings[-1].name}; give the folder to read them all",
-                stacklevel=2,
-            )
         self.streams = self._topics_of_events()
         types = self._bag.topics
         words = [f"{topic} ({types[topic]})" for topic in self.streams]
         self._topic = choose_stream(path, options.stream, self.streams, words)
         self._cdr = self._topic not in getattr(self._bag, "ros1", ()) and kind != "rosbag1"
         self._read = read_packet if types[self._topic] in PACKETS else read_array
-        self._first = first = self._first_message()
+        self._first = first = self._first_message(self._bag)
         self.width = first.width if first and 0 < first.width <= _MOST_PX else None
         self.height = first.height if first and 0 < first.height <= _MOST_PX else None
         if first and self._read is read_packet and first.encoding not in _DECODERS:
@@ -78,6 +71,37 @@ class RosReader:
                 f"{path}: {self._topic} is encoded in {first.encoding!r}; what is read: "
                 f"{', '.join(_DECODERS)}"
             )
+
+        for part, bag in getattr(self._bag, "bags", {}).items():
+            if self._topic in bag.topics and not self._is_of_one_recording(bag):
+                raise ValueError(
+                    f"path = {part}: its {self._topic} has another sensor or encoding than the "
+                    "part before; give the parts of one recording"
+                )
+        siblings = [] if parts or path.is_dir() else parts_of(path.parent, like=path)
+        siblings = [other for other in siblings if other == path or self._goes_on_in(kind, other)]
+        if len(siblings) > 1:
+            warnings.warn(
+                f"{path} is one of {len(siblings)} parts, {siblings[0].name} to "
+                f"{siblings[-1].name}; give the folder, or a list of them, to read them all",
+                stacklevel=2,
+            )
+
+    def _goes_on_in(self, kind: str, path: Path) -> bool:
+        with suppress(CorruptFile, OSError):
+            bag = open_bag(kind, path)
+            return self._topic in bag.topics and self._is_of_one_recording(bag)
+        return False
+
+    def _is_of_one_recording(self, bag: Bag) -> bool:
+        """Whether the topic has the same sensor and encoding there, as far as both tell."""
+        first, other = self._first, self._first_message(bag)
+        return (
+            first is None
+            or other is None
+            or (first.width, first.height, first.encoding)
+            == (other.width, other.height, other.encoding)
+        )
 
     def chunks(self, losses: Losses, from_us: int | None = None) -> Iterator[Events]:
         """Decode message by message; an array goes out when it is full."""
@@ -122,9 +146,9 @@ class RosReader:
         except CorruptFile as error:
             losses.truncated(error.offset, error.fault)
 
-    def _first_message(self) -> Message | None:
+    def _first_message(self, bag: Bag) -> Message | None:
         with suppress(CorruptFile):  # it is told when all are read
-            for raw in map(_unpacked, self._bag.messages(self._topic)):
+            for raw in map(_unpacked, bag.messages(self._topic)):
                 with suppress(BadMessage):
                     return self._read(raw, self._cdr)
         return None
@@ -386,12 +410,13 @@ class _Parts:
     """A split bag: its files one after the other."""
 
     def __init__(self, parts: Iterable[Path]) -> None:
-        self._bags = [open_bag(stated(first_bytes(part)) or "", part) for part in parts]
-        self.topics = {name: kind for bag in self._bags for name, kind in bag.topics.items()}
-        self.ros1 = {topic for bag in self._bags for topic in getattr(bag, "ros1", ())}
+        self.bags = {part: open_bag(stated(first_bytes(part)) or "", part) for part in parts}
+        bags = self.bags.values()
+        self.topics = {name: kind for bag in bags for name, kind in bag.topics.items()}
+        self.ros1 = {topic for bag in bags for topic in getattr(bag, "ros1", ())}
 
     def messages(self, topic: str) -> Iterator[bytes]:
-        for bag in self._bags:
+        for bag in self.bags.values():
             if topic in bag.topics:
                 yield from bag.messages(topic)
 
