@@ -17,7 +17,7 @@ import asap
 import corrupt
 from asap import _core
 from asap.events import Events
-from asap.io import CorruptFile, UnsupportedFormat
+from asap.io import FILE_FORMATS, CorruptFile, UnsupportedFormat
 from event_files import WRITERS, assert_equal_events
 
 EVENTS = corrupt.clean_events(1000)
@@ -71,6 +71,12 @@ class TestEveryFormat:
             path.write_text("# nothing happened\n")
         assert len(asap.load(path)) == 0
         assert list(asap.read(path)) == []
+
+
+def test_every_format_stands_in_the_table_of_the_page() -> None:
+    page = Path(__file__).parents[2] / "notebooks" / "recordings.md"
+    rows = [line for line in page.read_text().splitlines() if line.startswith("| ")]
+    assert {name for name in FILE_FORMATS if not any(f"`{name}`" in row for row in rows)} == set()
 
 
 class TestNpy:

@@ -12,9 +12,11 @@ from asap import _core
 from asap._checks import choice, regular_file
 from asap.io.errors import CorruptFile, UnsupportedFormat
 
-SERVED = (
-    "npy, npz, text (t x y p), csv, aedat4, hdf5, matlab, ROS bags, Prophesee RAW (EVT2, EVT2.1, "
-    "EVT3) and DAT, Event Stream, AEDAT 2.0 and 3.1, 40-bit events (.bin, .bs2)"
+SERVED = ", ".join(
+    (
+        *("npy", "npz", "text (t x y p)", "csv", "aedat4", "hdf5", "matlab", "ROS bags"),
+        *_core.RECORDING_FORMATS,
+    )
 )
 
 _HEAD = 4096

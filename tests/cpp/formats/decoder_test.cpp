@@ -6,14 +6,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <type_traits>
+#include <variant>
 #include <vector>
 
-#include "asap/formats/aedat.hpp"
-#include "asap/formats/atis.hpp"
 #include "asap/formats/packets.hpp"
-#include "asap/formats/prophesee.hpp"
 #include "asap/formats/text.hpp"
 #include "formats/decoding.hpp"
+#include "formats/opener.hpp"
 
 namespace asap::decoder_test {
 namespace {
@@ -74,9 +73,12 @@ Bytes some_bytes(std::size_t count = 5000) {
 template <class Decoder>
 struct EveryDecoder : testing::Test {};
 
-using Decoders = testing::Types<TextDecoder, Evt2Decoder, Evt21Decoder, Evt3Decoder, DatDecoder,
-                                Aedat2Decoder, Aedat3Decoder, EventStreamDecoder, Atis40Decoder,
-                                MonoDecoder, LibcaerDecoder, LibcaerCmpDecoder>;
+// Those of the list that recordings are opened with, of lines and of packets.
+template <class... Decoders>
+auto all_decoders(std::type_identity<std::variant<Decoders...>>)
+    -> testing::Types<Decoders..., TextDecoder, MonoDecoder, LibcaerDecoder, LibcaerCmpDecoder>;
+
+using Decoders = decltype(all_decoders(std::type_identity<RecordingDecoder>{}));
 TYPED_TEST_SUITE(EveryDecoder, Decoders);
 
 // A vector was taken for a span of 0 places once, so that nothing was decoded.
