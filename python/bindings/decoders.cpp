@@ -221,6 +221,7 @@ void bind_files(py::module_& m) {
             return BoundDecoder<RecordingDecoder>{r.make(first_offset, stream), {}};
           },
           py::arg("first_offset"), py::arg("stream") = 0);
+  m.def("data_end", &data_end, py::arg("path"));
   const auto names = recording_formats();
   py::tuple formats(names.size());
   for (std::size_t i = 0; i < names.size(); ++i) formats[i] = py::str(names[i]);

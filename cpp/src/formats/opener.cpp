@@ -81,4 +81,21 @@ std::optional<OpenedRecording> open_recording(const std::filesystem::path& path,
   return recording;
 }
 
+std::uint64_t data_end(const std::filesystem::path& path) {
+  constexpr std::uint64_t kBlock = std::uint64_t{1} << 20, kZeros = 4096;  // bytes
+  const std::uint64_t size = std::filesystem::file_size(path);
+  std::ifstream file(path, std::ios::binary);
+  std::vector<char> block(kBlock);
+  std::uint64_t end = size;
+  while (end > 0) {
+    const std::uint64_t start = end - std::min(end, kBlock);
+    file.seekg(static_cast<std::streamoff>(start));
+    if (!file.read(block.data(), static_cast<std::streamsize>(end - start))) return 0;
+    for (; end > start; --end) {
+      if (block[end - start - 1] != 0) return size - end >= kZeros ? end : 0;
+    }
+  }
+  return 0;
+}
+
 }  // namespace asap

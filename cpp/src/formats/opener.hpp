@@ -84,6 +84,11 @@ std::vector<std::string_view> recording_formats();
 // The format that a file begins as; empty where it is none of these.
 std::string_view recording_format(std::span<const std::byte> front);
 
+// The byte where zeros begin that fill the file to its end, 4 kB at least; 0 where there are none.
+// A download or a recorder allocates a file first, and a power cut keeps the rest from being
+// written. A record that ends with zeros counts to them, because it may be torn.
+std::uint64_t data_end(const std::filesystem::path& path);
+
 // Opens a file of config.format, or of the format that it begins as; nothing where that is none.
 // Throws BadRecording; std::system_error where the file cannot be read.
 std::optional<OpenedRecording> open_recording(const std::filesystem::path& path,

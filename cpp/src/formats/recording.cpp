@@ -76,6 +76,8 @@ struct RecordingSource::Impl {
   std::optional<RecordingDecoder> words;
   std::optional<TextDecoder> text;  // where there are no words
   int width = 0, height = 0;
+  std::uint64_t left = 0;  // bytes to be read
+  bool has_zeros = false;  // behind them
   std::atomic<bool> cancelled{false};
   bool is_cut = false;
 };
@@ -102,18 +104,24 @@ RecordingSource::Impl::Impl(const std::filesystem::path& its_path, RecordingConf
   }
   file.open(path, std::ios::binary);
   file.seekg(static_cast<std::streamoff>(start));
+  const std::uint64_t end = data_end(path);
+  has_zeros = end > 0;
+  left = std::max(has_zeros ? end : std::filesystem::file_size(path), start) - start;
 }
 
 // The next bytes; none at the end of the file.
 Bytes RecordingSource::Impl::read() {
-  file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  const std::uint64_t size = std::min<std::uint64_t>(bytes.size(), left);
+  left -= size;
+  file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
   if (file.bad()) throw std::system_error(errno, std::generic_category(), path.string());
   return std::span(bytes).first(static_cast<std::size_t>(file.gcount()));
 }
 
 void RecordingSource::Impl::finish() {
-  is_cut = words ? std::visit([](auto& decoder) { return decoder.unfinished() > 0; }, *words)
-                 : !text->finish(events);
+  is_cut = has_zeros ? true
+           : words   ? std::visit([](auto& decoder) { return decoder.unfinished() > 0; }, *words)
+                     : !text->finish(events);
 }
 
 RecordingSource::RecordingSource(const std::filesystem::path& path, RecordingConfig config)

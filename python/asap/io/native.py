@@ -9,7 +9,7 @@ from pathlib import Path
 from asap import _core
 from asap.events import Events
 from asap.io.columns import row_before
-from asap.io.reader import CHUNK, Losses, Options, choose_stream, data_end, expected_of
+from asap.io.reader import CHUNK, Losses, Options, choose_stream, expected_of
 
 _PIECE = 1 << 18
 
@@ -63,7 +63,7 @@ class NativeReader:
         """Decode piece by piece; an array goes out when it is full."""
         decoder = self._opened.decoder(position, self._stream)
         buffer = memoryview(bytearray(_PIECE))
-        zeros = data_end(self._path)
+        zeros = _core.data_end(self._path)
         end = zeros or self._path.stat().st_size
         out, filled = losses.room(CHUNK), 0
         with self._path.open("rb", buffering=0) as file:

@@ -19,6 +19,7 @@ import numpy as np
 import numpy.typing as npt
 from numpy.lib import format as npy
 
+from asap import _core
 from asap.events import FIELD_NAMES, Events
 from asap.io.columns import (
     as_rows,
@@ -35,7 +36,6 @@ from asap.io.reader import (
     Losses,
     Options,
     choose_stream,
-    data_end,
     new_room,
     size_of,
 )
@@ -88,7 +88,7 @@ class NpyReader:
         if not header.shape:
             raise CorruptFile(path, header.end, "the array is a single value, not events")
         self._promised = header.shape[0]
-        self._zeros = 0 if header.is_by_columns else data_end(path)
+        self._zeros = 0 if header.is_by_columns else _core.data_end(path)
         end = self._zeros or path.stat().st_size
         present = max(end - header.end, 0) // max(header.row_bytes, 1)
         self.expected = min(self._promised, present)

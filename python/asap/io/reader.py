@@ -23,8 +23,6 @@ CHUNK = 1 << 16  # events that a reader hands on at once, about
 #: What names state the size of the sensor.
 SIZE = re.compile("(?:sensor_|image_|img_)?(width|height|resolution|geometry|size)", re.IGNORECASE)
 _MOST_EXPECTED = 1 << 28
-_BLOCK = 1 << 20  # bytes
-_ZEROS = 4096  # bytes: a block of most file systems
 _MOST_TRIGGERS = 1 << 20  # kept for `Recording.triggers`; the others are counted
 
 
@@ -204,23 +202,6 @@ def _sides(stated: Any) -> list[Any]:
             r"\d+", text if isinstance(text, str) else text.decode("ascii", "replace")
         )
     return values[:1] if len(values) != 2 else sorted(values, reverse=True)
-
-
-def data_end(path: Path) -> int:
-    """Return the byte where zeros begin that fill the file to its end, a block at least; else 0.
-
-    A download or a recorder allocates a file first: what a power cut kept from being written is 0.
-    A record that ends with zeros counts to them, because it may be torn.
-    """
-    end = size = path.stat().st_size
-    with path.open("rb") as file:
-        while end > 0:
-            start = max(end - _BLOCK, 0)
-            file.seek(start)
-            if rest := file.read(end - start).rstrip(b"\0"):
-                return start + len(rest) if size - start - len(rest) >= _ZEROS else 0
-            end = start
-    return 0
 
 
 class Reader(Protocol):

@@ -26,7 +26,7 @@ from asap._stamps import are_thousands, time_exponent
 from asap.events import FIELD_NAMES, Events, check_order
 from asap.io.columns import check_polarity, first_us, row_before
 from asap.io.errors import CorruptFile, unclear_unit
-from asap.io.reader import Losses, Options, data_end
+from asap.io.reader import Losses, Options
 
 _HEAD = 1 << 14
 _MOST = 1 << 24  # bytes of comments before the first line
@@ -105,7 +105,7 @@ class TextReader:
         losses.guessed_unit = self._layout.unit if self._layout.guessed else None
         decoder = self._decoder(losses, at)
         last_line = at
-        zeros = data_end(self._path)
+        zeros = _core.data_end(self._path)
         end = zeros or self._path.stat().st_size
         with self._path.open("rb") as file:
             file.seek(at)

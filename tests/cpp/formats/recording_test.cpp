@@ -179,6 +179,18 @@ TEST(RecordingSource, SaysThatTheFileIsCut) {
   EXPECT_TRUE(recording.is_cut());
 }
 
+TEST(RecordingSource, MakesNoEventsOfZerosThatFillTheFile) {
+  for (const Encoding encoding : {Encoding::evt3, Encoding::csv}) {
+    Bytes bytes = encoded(encoding);
+    bytes.insert(bytes.end(), 2'000'000, std::byte{0});
+    const File file(encoding == Encoding::csv ? "zeros.csv" : "zeros.raw", bytes);
+    RecordingSource recording(file.path, {.text = {.time_exponent = 0}});
+    EXPECT_EQ(read_all(recording), some_events());
+    EXPECT_TRUE(recording.is_cut());
+    EXPECT_EQ(recording.bad_records(), 0u);
+  }
+}
+
 TEST(RecordingSource, EndsWhenItIsCancelled) {
   const File file("cancelled.raw", encoded(Encoding::evt3));
   RecordingSource recording(file.path, {.chunk_bytes = 100});

@@ -44,7 +44,7 @@ class RecordingSource final : public EventSource {
 
   // Bad records so far.
   std::uint64_t bad_records() const noexcept;
-  // At the end: the file ends inside a record.
+  // At the end: the file ends inside a record, or zeros fill it to its end, which were not read.
   bool is_cut() const noexcept;
 
  private:
