@@ -29,7 +29,7 @@ STAGES = {
     "next": "asap::Pipeline::next*",  # decide, filter, pack
     "complete": "asap::Pipeline::complete*",  # feed back, book
 }
-DECISION = ("asap::Deadline::decide*", "asap::Deadline::observe*")
+DECISION = ("asap::LearningScheme::decide*", "asap::LearningScheme::observe*")
 # Instructions by the number of events that come at once, by any compiler. The aim is 2000 for all;
 # in overload, 40,000, Deadline plays its plans forward.
 MOST_PER_DECISION = {10: 2000, 1000: 2000, 10_000: 2000, 40_000: 2900}
@@ -80,7 +80,10 @@ def per_decision(program: Path, backlog: int) -> float:
             instructions(program, ["backlog", str(length), str(backlog)], functions)
             for length in (events, 2 * events)
         )
-        total += (long[0] - short[0]) / (long[1][i] - short[1][i])
+        figure = (long[0] - short[0]) / (long[1][i] - short[1][i])
+        if figure <= 0:
+            raise ValueError(f"{functions} = {figure:g} instructions: no such function is called")
+        total += figure
     return total
 
 

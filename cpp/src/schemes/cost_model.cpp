@@ -271,14 +271,13 @@ double CostModel::trial_size(double room_ns) const noexcept {
 
 double CostModel::safe_size(double room_ns, double fixed_caution, double event_caution,
                             double enough) const noexcept {
-  // Fixed costs are not negative: n events take at most n times what an event has cost. Caution is
-  // for a slope that is known. Without one, packages grow as those that nothing disturbed permit,
-  // or a few slow ones would keep them small.
-  const double caution = 1.0 + certainty() * (event_caution - 1.0);
-  const double event_ns = std::min(event_caution * max_event_ns_, caution * undisturbed_event_ns());
   // One event is added: without it a fixed cost close to the room would keep packages small.
-  double size = 1.0 + std::max(1.0, std::floor(room_ns / event_ns));
+  double size = 1.0 + std::max(1.0, std::floor(room_ns / (event_caution * max_event_ns_)));
   if (size >= enough) return size;
+  // Caution is for a slope that is known. Without one, packages grow as those that nothing
+  // disturbed permit, or a few slow ones would keep them small.
+  const double caution = 1.0 + certainty() * (event_caution - 1.0);
+  size = std::max(size, 1.0 + std::floor(room_ns / (caution * undisturbed_event_ns())));
   const double spare_ns = room_ns - fixed_caution * recent_cost_ns_;
   const Mean small = smaller_packages();
   if (small.weight > 0 && spare_ns > 0) {

@@ -210,7 +210,8 @@ class DeadlineLaw final : public BoundedScheme {
   Decision take(const Backlog& backlog, double latency_ns, double length_ns, double size,
                 double stay) noexcept;
 
-  std::optional<Decision> try_all(const Backlog& backlog, double latency_ns) noexcept;
+  std::optional<Decision> try_all(const Backlog& backlog, const WorkByAge& work,
+                                  double latency_ns) noexcept;
   Decision newest_of(const Backlog& backlog, const Decision& slice, double latency_ns) noexcept;
   bool is_early() const noexcept;
   double caution() const noexcept;  // zeta, of events
@@ -256,8 +257,8 @@ Decision DeadlineLaw::decide(const Backlog& backlog) noexcept {
     return take(backlog, latency_ns, fit_ns, all, 0.0);
   }
 
-  if (const auto all_in_time = try_all(backlog, latency_ns)) return *all_in_time;
   const WorkByAge work(backlog, latency_ns, event_ns);
+  if (const auto tried = try_all(backlog, work, latency_ns)) return *tried;
   const Plan plan =
       Planner(work, {.latency_ns = latency_ns,
                      .caution = zeta,
@@ -310,25 +311,29 @@ Decision DeadlineLaw::take(const Backlog& backlog, double latency_ns, double len
 // would throw away what mostly ends in time. So every event is taken that a package which nothing
 // disturbs finishes within the bound itself. A slope that its own error exceeds does not count; the
 // package stays so small that it takes no longer than the bound if that was wrong.
-std::optional<Decision> DeadlineLaw::try_all(const Backlog& backlog, double latency_ns) noexcept {
+std::optional<Decision> DeadlineLaw::try_all(const Backlog& backlog, const WorkByAge& work,
+                                             double latency_ns) noexcept {
   if (!is_whole() || packages_ < kTells) return std::nullopt;
+  const double recent_ns = kRecent * latency_ns;
+  const double certainty = cost_.certainty();
+  if (certainty * work.up_to(recent_ns) >= recent_ns) return std::nullopt;  // a rush
+  const double bound_ns = reachable_ns();
+  const double alpha_ns = cost_.undisturbed_alpha_ns();
+  const double cheap_ns = kCheap * alpha_ns;
+  if (certainty * work.up_to(bound_ns - alpha_ns - cheap_ns) > cheap_ns) return std::nullopt;
+  const double event_ns = certainty * cost_.beta_ns();
+  const double most = cost_.trial_size(bound_ns);
   const auto younger = [&](double age_ns) {
     const std::int64_t since_ns = backlog.now_ns - std::llround(std::max(age_ns, 0.0));
     return static_cast<double>(backlog.count - backlog.counts.about_before(since_ns));
   };
-  const double recent_ns = kRecent * latency_ns;
-  const double event_ns = cost_.certainty() * cost_.beta_ns();
-  if (event_ns * younger(recent_ns) >= recent_ns) return std::nullopt;
-  const double bound_ns = reachable_ns();
-  const double alpha_ns = cost_.undisturbed_alpha_ns();
-  const double most = cost_.trial_size(bound_ns);
   double keep_ns = age_ns(backlog);
   double size = 0.0;
   for (int i = 0; i < kRounds; ++i) {
     size = std::min(younger(keep_ns), most);
     keep_ns = bound_ns - (alpha_ns + event_ns * size);
   }
-  if (size < 1.0 || keep_ns <= 0.0 || event_ns * size > kCheap * alpha_ns) return std::nullopt;
+  if (size < 1.0 || keep_ns <= 0.0 || event_ns * size > cheap_ns) return std::nullopt;
   age_ns_ = std::min(age_ns(backlog), keep_ns);
   const auto stale = backlog.counts.before(backlog.now_ns - static_cast<std::int64_t>(keep_ns));
   if (stale >= backlog.count) return Decision::drop(backlog.count);
