@@ -210,6 +210,8 @@ std::uint64_t restart_again_and_again(std::uint64_t seed, std::uint64_t events) 
     while (!stop.stop_requested()) {
       const PipelineStats stats = pipeline.stats();
       EXPECT_TRUE(stats.ledger.balanced());
+      EXPECT_EQ(stats.latency.count(), stats.ledger.delivered);
+      EXPECT_EQ(stats.packages.size, stats.ledger.delivered);
       EXPECT_LE(stats.ledger.delivered + stats.ledger.overflow, stats.ledger.received);
       pipeline.upstream_lost(1, 2);
       std::this_thread::yield();

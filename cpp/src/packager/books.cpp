@@ -4,14 +4,14 @@ namespace asap {
 
 void Books::stale(const Left& left) noexcept {
   rate_meter_.observe(left.count, left.oldest_ns, left.newest_ns);
-  telemetry_.stale += left.count;
+  telemetry_.book([&] { telemetry_.stale += left.count; });
   gap_.lost(left.events);
   stale_ += left.count;
 }
 
 void Books::overflow(const Left& left) noexcept {
   rate_meter_.observe(left.count, left.oldest_ns, left.newest_ns);
-  telemetry_.overflow += left.count;
+  telemetry_.book([&] { telemetry_.overflow += left.count; });
   gap_.lost(left.events);
 }
 
@@ -35,7 +35,7 @@ void Books::count(const Package& package, const Left& left) noexcept {
 
 void Books::discarded(const Package& package, const Left& left) noexcept {
   entered(package, left);
-  count(package, left);
+  telemetry_.book([&] { count(package, left); });
   offered_ = package.offered;
   filtered_ = package.filtered;
 }
@@ -43,22 +43,24 @@ void Books::discarded(const Package& package, const Left& left) noexcept {
 void Books::delivered(const Package& package, const Left& left, std::int64_t end_ns,
                       const KeptTimes& kept_times) noexcept {
   entered(package, left);
-  count(package, left);
-  const std::int64_t oldest_ns = record_latencies(package.events, end_ns, kept_times);
   const RateMeter::Window window = rate_meter_.window();
-  telemetry_.log.append({.start_ns = package.start_ns,
-                         .processing_ns = end_ns - package.start_ns,
-                         .oldest_ns = oldest_ns,
-                         .t_first = package.t_first(),
-                         .t_last = package.t_last(),
-                         .offered = package.offered,
-                         .filtered = package.filtered,
-                         .size = package.events.size(),
-                         .stale = package.stale_before,
-                         .overflow = package.overflow_before,
-                         .rate_events = window.events,
-                         .rate_ns = window.ns});
-  telemetry_.delivered += package.events.size();
+  telemetry_.book([&] {
+    count(package, left);
+    const std::int64_t oldest_ns = record_latencies(package.events, end_ns, kept_times);
+    telemetry_.log.append({.start_ns = package.start_ns,
+                           .processing_ns = end_ns - package.start_ns,
+                           .oldest_ns = oldest_ns,
+                           .t_first = package.t_first(),
+                           .t_last = package.t_last(),
+                           .offered = package.offered,
+                           .filtered = package.filtered,
+                           .size = package.events.size(),
+                           .stale = package.stale_before,
+                           .overflow = package.overflow_before,
+                           .rate_events = window.events,
+                           .rate_ns = window.ns});
+    telemetry_.delivered += package.events.size();
+  });
   ++packages_;
   offered_ = 0;
   filtered_ = 0;

@@ -210,12 +210,14 @@ bool Pipeline::Impl::LiveRun::is_over() const noexcept {
 }
 
 Ledger Pipeline::Impl::LiveRun::ledger() const noexcept {
-  return run.ledger(is_over(), intake.discarded());
+  return run.ledger({is_over(), intake.discarded()});
 }
 
 RunStats Pipeline::Impl::LiveRun::stats() const {
-  const bool is_quiet = is_over();
-  return run.stats(is_quiet, run.ledger(is_quiet, intake.discarded()), run.gap_us(&intake.gap()));
+  RunStats stats;
+  run.copy_stats_to(stats, {is_over(), intake.discarded()});
+  stats.gap_us = run.gap_us(&intake.gap());
+  return stats;
 }
 
 std::int64_t Pipeline::Impl::LiveRun::elapsed_ns() const noexcept {

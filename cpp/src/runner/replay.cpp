@@ -55,7 +55,8 @@ class Replay::Impl {
   }
 
   void run(EventSource& source, const Consumer& consumer, const Poll& poll);
-  Ledger ledger() const noexcept;
+  Run::Outside outside() const noexcept;
+  Ledger ledger() const noexcept { return run_.ledger(outside()); }
   RunStats stats() const;
   const Run& parts() const noexcept { return run_; }
   const LatencyHistogram& lateness() const noexcept { return lateness_; }
@@ -109,14 +110,16 @@ void Replay::Impl::run(EventSource& source, const Consumer& consumer, const Poll
 }
 
 // Once the producer has closed the ring, what it owned may be read.
-Ledger Replay::Impl::ledger() const noexcept {
+Run::Outside Replay::Impl::outside() const noexcept {
   const bool is_quiet = run_.buffer().closed();
-  return run_.ledger(is_quiet, 0, is_quiet ? arriving_.size() : 0);
+  return {is_quiet, 0, is_quiet ? arriving_.size() : 0};
 }
 
 RunStats Replay::Impl::stats() const {
-  const double gap_us = static_cast<double>(run_.gap_us()) / replay_.speed;
-  return run_.stats(run_.buffer().closed(), ledger(), std::llround(gap_us));
+  RunStats stats;
+  run_.copy_stats_to(stats, outside());
+  stats.gap_us = std::llround(static_cast<double>(run_.gap_us()) / replay_.speed);
+  return stats;
 }
 
 void Replay::Impl::produce(EventSource& source, const std::stop_token& stop) {

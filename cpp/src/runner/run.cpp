@@ -123,34 +123,35 @@ Rejections Run::rejected() const noexcept {
           .before_start = rejected_.before_start};
 }
 
-Ledger Run::ledger(bool is_quiet, std::uint64_t thinned, std::uint64_t outside) const noexcept {
-  Ledger ledger{.rejected = is_quiet ? validator_.rejected().total() : rejected().total(),
-                .filtered = telemetry_.filtered,
-                .discarded = telemetry_.discarded,
-                .stale = telemetry_.stale,
-                .overflow = telemetry_.overflow,
-                .delivered = telemetry_.delivered};
+Ledger Run::ledger(const Outside& outside) const noexcept {
+  Ledger ledger = telemetry_.ledger();
+  complete(ledger, outside.is_quiet ? validator_.rejected() : rejected(), outside);
+  return ledger;
+}
+
+// The terms that the producer's side counts, after those of the consumer's.
+void Run::complete(Ledger& ledger, const Rejections& rejected,
+                   const Outside& outside) const noexcept {
+  ledger.rejected = rejected.total();
   const std::uint64_t booked =
       ledger.filtered + ledger.discarded + ledger.stale + ledger.overflow + ledger.delivered;
   // What has been booked has been pushed, though a processor may see it before the tail.
   const std::uint64_t tail = std::max(buffer_.tail(), booked);
   const std::uint64_t overflow = buffer_.overflow();
-  ledger.discarded += thinned;
+  ledger.discarded += outside.thinned;
   ledger.overflow += overflow;
-  ledger.pending = (is_quiet ? buffer_.size() : tail - booked) + outside;
-  ledger.received =
-      is_quiet ? validator_.received() : ledger.rejected + thinned + overflow + tail + outside;
-  return ledger;
+  ledger.pending = (outside.is_quiet ? buffer_.size() : tail - booked) + outside.waiting;
+  ledger.received = outside.is_quiet
+                        ? validator_.received()
+                        : ledger.rejected + outside.thinned + overflow + tail + outside.waiting;
 }
 
-RunStats Run::stats(bool is_quiet, const Ledger& ledger, std::int64_t gap_us) const {
-  return {.ledger = ledger,
-          .rejected = is_quiet ? validator_.rejected() : rejected(),
-          .latency = telemetry_.latency,
-          .packages = telemetry_.log.totals(),
-          .gap_us = gap_us,
-          .clock_resets = is_quiet ? validator_.clock_resets() : clock_resets_.load(),
-          .failed = failed_};
+void Run::copy_stats_to(RunStats& stats, const Outside& outside) const noexcept {
+  telemetry_.copy_to(stats.ledger, stats.latency, stats.packages);
+  stats.rejected = outside.is_quiet ? validator_.rejected() : rejected();
+  complete(stats.ledger, stats.rejected, outside);
+  stats.clock_resets = outside.is_quiet ? validator_.clock_resets() : clock_resets_.load();
+  stats.failed = failed_;
 }
 
 // Each stage measures the gap among the events that reached it; the largest is the gap of the run.

@@ -53,13 +53,20 @@ class Run {
   // Any thread: what was last published.
   Rejections rejected() const noexcept;
 
-  // Where every event went. Any thread: a snapshot, in which a package that is being booked may
-  // still count as pending. `is_quiet`: neither side is at work, so every term is counted on its
-  // own. `thinned`: discarded in front of the ring; `outside`: received, and not yet in the ring.
-  Ledger ledger(bool is_quiet, std::uint64_t thinned = 0, std::uint64_t outside = 0) const noexcept;
+  // What the driver of a run knows of it.
+  struct Outside {
+    bool is_quiet;              // neither side is at work, so every term is counted on its own
+    std::uint64_t thinned = 0;  // discarded in front of the ring
+    std::uint64_t waiting = 0;  // received, and not yet in the ring
+  };
 
-  // All that is counted. Any thread: a snapshot like the ledger in it.
-  RunStats stats(bool is_quiet, const Ledger& ledger, std::int64_t gap_us) const;
+  // Where every event went. Any thread: a snapshot, in which a package that is being booked may
+  // still count as pending.
+  Ledger ledger(const Outside& outside) const noexcept;
+
+  // All that is counted but the gap. Any thread: what the consumer's side has booked is of one
+  // moment. Allocates nothing.
+  void copy_stats_to(RunStats& stats, const Outside& outside) const noexcept;
 
   // Calls what works for this run: where it throws, the run has failed.
   template <class Work>
@@ -93,6 +100,8 @@ class Run {
   std::int64_t latency_bound_ns() const noexcept { return telemetry_.latency.bound_ns(); }
 
  private:
+  void complete(Ledger& ledger, const Rejections& rejected, const Outside& outside) const noexcept;
+
   const std::unique_ptr<KeptMask> mask_;
   Validator validator_;
   Telemetry telemetry_;

@@ -28,16 +28,20 @@ class Simulator::Impl {
   void feed(EventSpan events);
   void finish();
   void run(EventSource& source);
-  Ledger ledger() const noexcept;
+  Ledger ledger() const noexcept { return run_.ledger(outside()); }
   RunStats stats() const {
+    RunStats stats;
+    run_.copy_stats_to(stats, outside());
     const auto gap_us = static_cast<double>(run_.gap_us(gate_ ? &gate_->gap() : nullptr));
-    return run_.stats(true, ledger(), std::llround(gap_us / speed_));
+    stats.gap_us = std::llround(gap_us / speed_);
+    return stats;
   }
   const Run& parts() const noexcept { return run_; }
   std::span<const Slot> slots() const noexcept { return slots_.slots(); }
   std::int64_t busy_ns() const noexcept { return busy_ns_; }
 
  private:
+  Run::Outside outside() const noexcept;
   void receive(EventSpan good);
   void drain();
   void start(const Event& first);
@@ -129,9 +133,9 @@ void Simulator::Impl::drain() {
   }
 }
 
-Ledger Simulator::Impl::ledger() const noexcept {
+Run::Outside Simulator::Impl::outside() const noexcept {
   const std::uint64_t at_the_gate = gate_ ? good_ - gate_->seen() : 0;
-  return run_.ledger(true, gate_ ? gate_->discarded() : 0, arriving_.size() + at_the_gate);
+  return {true, gate_ ? gate_->discarded() : 0, arriving_.size() + at_the_gate};
 }
 
 void Simulator::Impl::receive(EventSpan good) {

@@ -122,6 +122,26 @@ TEST(Pipeline, TheLedgerBalancesOverMillionsInOverload) {
   EXPECT_GT(ledger.discarded, 0u);
 }
 
+// Windows of what happened between two looks, as a monitor forms them.
+TEST(Pipeline, ALookIsOfOneMoment) {
+  FixedSize singly({.size = 1});
+  Pipeline pipeline(singly, {.latency = 1h, .execution = Execution::whole}, [](EventSpan) {});
+  Camera camera(pipeline, 100);
+  PipelineStats before = pipeline.stats();
+  for (int look = 0; look < 3000; ++look) {
+    const PipelineStats now = pipeline.stats();
+    const LatencyHistogram window = now.latency.since(before.latency);
+    ASSERT_EQ(now.latency.count(), now.ledger.delivered) << look;
+    ASSERT_EQ(now.packages.size, now.ledger.delivered) << look;
+    ASSERT_EQ(window.count(), (now.ledger - before.ledger).delivered) << look;
+    ASSERT_LE(window.within_bound(), window.count()) << look;
+    before = now;
+  }
+  pipeline.stop(false);
+  pipeline.join();
+  EXPECT_GT(before.ledger.delivered, 0u);
+}
+
 TEST(Pipeline, TheLastEventOfABurstIsDeliveredWithinTheBound) {
   test::ScriptedScheme scheme(only_when_due());
   Pipeline pipeline(scheme, {.latency = 30ms, .execution = Execution::whole});

@@ -132,6 +132,7 @@ class Pipeline {
 
   bool is_open() const noexcept;
   Ledger ledger() const;
+  // Of one moment: stats.latency.count() == stats.ledger.delivered.
   PipelineStats stats() const;
 
   // The newest rows. After stop(), when the consumer has come to the end.
