@@ -51,6 +51,13 @@ class BasicArrivalTimes {
   }
   std::size_t steps() const noexcept { return steps_; }
 
+  // Empty, as constructed with this width of the steps. Neither side is at work.
+  void reset(std::int64_t step_ns) noexcept {
+    set_step(step_ns);
+    tail_.store(0, std::memory_order_relaxed);
+    head_.store(0, std::memory_order_relaxed);
+  }
+
   // Producer, before the push: events from this ring index on arrive now, and so many have been
   // thinned out before them. Times do not go back.
   void note(std::uint64_t index, std::int64_t now_ns, std::uint64_t thinned = 0) noexcept {

@@ -69,6 +69,15 @@ class BasicEventBuffer {
   // Writes to all slots, so that no page of them is missing later. Before the first push.
   void prefault() noexcept { std::fill_n(slots_.get(), mask_ + 1, Event{}); }
 
+  // Empty and open, as constructed. Neither side is at work.
+  void reset() noexcept {
+    for (auto* count : {&tail_, &base_, &overflow_, &head_}) {
+      count->store(0, std::memory_order_relaxed);
+    }
+    closed_.store(false, std::memory_order_relaxed);
+    head_copy_ = tail_copy_ = base_copy_ = 0;
+  }
+
   // Producer. Takes the oldest events of the span that fit, counts the rest as overflow.
   // Returns how many were taken.
   std::size_t push(EventSpan events) noexcept ASAP_NONBLOCKING {

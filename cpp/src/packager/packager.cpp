@@ -1,6 +1,7 @@
 #include "packager/packager.hpp"
 
 #include <algorithm>
+#include <memory>
 #include <span>
 #include <utility>
 
@@ -70,6 +71,16 @@ std::size_t Packager::memory_bytes(std::size_t capacity, std::size_t max_copied,
                                    bool is_filtered) noexcept {
   return Thinner::memory_bytes(capacity, max_copied, ArrivalTimes::steps_for(capacity),
                                is_filtered);
+}
+
+void Packager::reset() {
+  thinner_.reset(config_.seed, config_.front_filter);
+  gap_ = {};
+  std::construct_at(&books_, telemetry_, gap_, times_);
+  flush_until_ = 0;
+  previous_start_ns_ = kLongAgo;
+  untold_ = 0;
+  scheme_.reset(config_.execution);
 }
 
 void Packager::begin(TimeAxis axis, std::int64_t first_us) noexcept {

@@ -67,6 +67,10 @@ class Packager {
   static std::size_t memory_bytes(std::size_t capacity, std::size_t max_copied,
                                   bool is_filtered) noexcept;
 
+  // Begins another run, in place and as constructed. Throws what a copy of the filter in front
+  // does: then nothing has changed.
+  void reset();
+
   // Sets where stamps lie in run time, and the first of them; before the first event is pushed.
   void begin(TimeAxis axis, std::int64_t first_us) noexcept;
 

@@ -40,6 +40,12 @@ class Thinner {
   // Writes to all memory, so that no page of it is missing later. Before the first package.
   void prefault() noexcept;
 
+  // Begins with the first event of a run, with this filter in front as it is now.
+  void reset(std::uint64_t seed, const FrontFilter& before) {
+    before_ = before;
+    gamma_ = GammaFilter(seed);
+  }
+
   // A new package of these waiting events, the first of which lies at ring index `head`.
   void begin(const EventPieces& raw, std::uint64_t head) noexcept;
 
@@ -73,7 +79,7 @@ class Thinner {
   }
 
   const EventTimes& times_;
-  const FrontFilter before_;
+  FrontFilter before_;
   GammaFilter gamma_;
   const std::size_t max_copied_;
   const std::size_t max_numbers_;

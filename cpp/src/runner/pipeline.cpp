@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <exception>
 #include <mutex>
+#include <optional>
 #include <stdexcept>
 #include <system_error>
 #include <thread>
@@ -39,9 +40,46 @@ constexpr std::uint64_t kIntakeSeed = 0x696e74616b65;  // not the gamma filter's
 
 }  // namespace
 
+// From the first event to the end. An event's time is its arrival on the steady clock; a wall clock
+// that steps has no effect. Takes no memory: that is Run's.
+struct LiveRun {
+  // The run is new.
+  LiveRun(Run& its_run, const RunConfig& config) noexcept;
+
+  // Producer. take(EventSpan) brings good events into the ring. A stamp that shows that the
+  // sensor's clock was set back makes what waits due.
+  template <class Take>
+  void push(const Take& take, EventSpan events, Pipeline::Arrival arrival);
+  void begin(const Event& first, std::chrono::steady_clock::time_point arrival) noexcept;
+  void heed_clock() noexcept;
+
+  // Once the producer has gone: nothing follows.
+  void close() noexcept;
+
+  // Any thread. Snapshots, see Run::ledger; exact after close() and `finished`.
+  bool is_over() const noexcept;
+  Run::Outside outside() const noexcept { return {is_over(), intake.discarded()}; }
+  // Any thread. The first arrival; the time since, until close().
+  RunClock::Steady::time_point begun_at() const noexcept;
+  std::int64_t elapsed_ns() const noexcept;
+
+  Run& run;
+  Doorbell doorbell;
+  Intake intake;
+  RunClock clock;
+  ConsumerLoop loop;
+
+  std::atomic<bool> finished{false};  // no package will be taken or booked any more
+  bool begun = false;                 // the producer's, like the next two
+  std::int64_t arrival_ns = 0;        // of the newest push
+  std::int64_t first_arrival_ns = 0;
+  std::int64_t closed_ns = 0;
+  std::uint64_t clock_resets = 0;  // the producer's
+  SensorDelay sensor_delay;
+};
+
 struct Pipeline::Impl {
   enum class Seat { free, taken, being_cleared };
-  struct LiveRun;
   class Inside;
 
   Impl(std::unique_ptr<Scheme> own_scheme, Scheme& its_scheme, RunConfig run_config,
@@ -71,7 +109,9 @@ struct Pipeline::Impl {
   RunConfig config;
   std::int64_t latency_bound_ns;
   mutable std::mutex control;  // start, stop, flush and the snapshots; never push or next
-  std::unique_ptr<LiveRun> live;
+  Run memory;
+  std::optional<LiveRun> live;
+  std::uint64_t runs = 1;
   PushDoor door;
   std::atomic<std::uint64_t> upstream_marks{0};
   std::atomic<std::uint64_t> upstream_packets{0};
@@ -86,44 +126,6 @@ struct Pipeline::Impl {
   std::atomic<bool> works{false};
   std::atomic<bool> has_stack{false};  // the worker: of RunConfig::prefault
   std::thread worker;
-};
-
-// From the first event to the end. An event's time is its arrival on the steady clock; a wall clock
-// that steps has no effect. Memory is bounded at construction: see Pipeline::memory().
-struct Pipeline::Impl::LiveRun {
-  // The scheme outlives the run.
-  LiveRun(Scheme& scheme, const RunConfig& config);
-
-  // Producer. take(EventSpan) brings good events into the ring. A stamp that shows that the
-  // sensor's clock was set back makes what waits due.
-  template <class Take>
-  void push(const Take& take, EventSpan events, Arrival arrival);
-  void begin(const Event& first, std::chrono::steady_clock::time_point arrival) noexcept;
-  void heed_clock() noexcept;
-
-  // Once the producer has gone: nothing follows.
-  void close() noexcept;
-
-  // Any thread. Snapshots, see Run::ledger; exact after close() and `finished`.
-  bool is_over() const noexcept;
-  Ledger ledger() const noexcept;
-  RunStats stats() const;
-  // Any thread. The time since the first arrival, until close().
-  std::int64_t elapsed_ns() const noexcept;
-
-  Run run;
-  Doorbell doorbell;
-  Intake intake;
-  RunClock clock;
-  ConsumerLoop loop;
-
-  std::atomic<bool> finished{false};  // no package will be taken or booked any more
-  bool begun = false;                 // the producer's, like the next two
-  std::int64_t arrival_ns = 0;        // of the newest push
-  std::int64_t first_arrival_ns = 0;
-  std::int64_t closed_ns = 0;
-  std::uint64_t clock_resets = 0;  // the producer's
-  SensorDelay sensor_delay;
 };
 
 // The consumer's side has one guest at a time.
@@ -149,15 +151,15 @@ class Pipeline::Impl::Inside {
 
 // ---- a run
 
-Pipeline::Impl::LiveRun::LiveRun(Scheme& scheme, const RunConfig& config)
-    : run(scheme, config, Run::Source::camera),
+LiveRun::LiveRun(Run& its_run, const RunConfig& config) noexcept
+    : run(its_run),
       intake(run.buffer(), run.arrivals(), doorbell, config.when_full, config.seed ^ kIntakeSeed),
       loop(run.buffer(), run.packager(), run.telemetry(), doorbell, clock, intake.room()) {
   run.validator().doubt_resets();
 }
 
 template <class Take>
-void Pipeline::Impl::LiveRun::push(const Take& take, EventSpan events, Arrival arrival) {
+void LiveRun::push(const Take& take, EventSpan events, Pipeline::Arrival arrival) {
   struct Publish {
     LiveRun& live;
     ~Publish() {
@@ -180,8 +182,7 @@ void Pipeline::Impl::LiveRun::push(const Take& take, EventSpan events, Arrival a
   });
 }
 
-void Pipeline::Impl::LiveRun::begin(const Event& first,
-                                    std::chrono::steady_clock::time_point arrival) noexcept {
+void LiveRun::begin(const Event& first, std::chrono::steady_clock::time_point arrival) noexcept {
   run.begin(first.t);
   first_arrival_ns = run.axis().to_ns(first.t);
   clock.start(first_arrival_ns, arrival);
@@ -191,7 +192,7 @@ void Pipeline::Impl::LiveRun::begin(const Event& first,
 }
 
 // A sensor that begins anew: what came before shall not wait for what comes now.
-void Pipeline::Impl::LiveRun::heed_clock() noexcept {
+void LiveRun::heed_clock() noexcept {
   const std::uint64_t resets = run.validator().clock_resets();
   if (resets == clock_resets) return;
   clock_resets = resets;
@@ -199,28 +200,22 @@ void Pipeline::Impl::LiveRun::heed_clock() noexcept {
   loop.flush();
 }
 
-void Pipeline::Impl::LiveRun::close() noexcept {
+void LiveRun::close() noexcept {
   closed_ns = begun ? clock.now_ns() : first_arrival_ns;
   run.buffer().close();
   doorbell.wake();
 }
 
-bool Pipeline::Impl::LiveRun::is_over() const noexcept {
+bool LiveRun::is_over() const noexcept {
   return finished.load(std::memory_order_acquire) && run.buffer().closed();
 }
 
-Ledger Pipeline::Impl::LiveRun::ledger() const noexcept {
-  return run.ledger({is_over(), intake.discarded()});
+RunClock::Steady::time_point LiveRun::begun_at() const noexcept {
+  if (run.buffer().tail() == 0) return {};
+  return clock.when(first_arrival_ns);
 }
 
-RunStats Pipeline::Impl::LiveRun::stats() const {
-  RunStats stats;
-  run.copy_stats_to(stats, {is_over(), intake.discarded()});
-  stats.gap_us = run.gap_us(&intake.gap());
-  return stats;
-}
-
-std::int64_t Pipeline::Impl::LiveRun::elapsed_ns() const noexcept {
+std::int64_t LiveRun::elapsed_ns() const noexcept {
   if (run.buffer().closed()) return closed_ns - first_arrival_ns;
   return run.buffer().tail() == 0 ? 0 : clock.now_ns() - first_arrival_ns;
 }
@@ -234,7 +229,8 @@ Pipeline::Impl::Impl(std::unique_ptr<Scheme> made_scheme, Scheme& its_scheme, Ru
       hold(scheme),
       config(std::move(run_config)),
       latency_bound_ns(asap::latency_bound_ns(config, scheme)),
-      live(std::make_unique<LiveRun>(scheme, config)),
+      memory(scheme, config, Run::Source::camera),
+      live(std::in_place, memory, config),
       algorithm(std::move(its_algorithm)) {
   if (!algorithm) hold.release();
   door.open();
@@ -272,8 +268,7 @@ Pipeline::~Pipeline() = default;
 PipelineMemory Pipeline::memory(const RunConfig& config) noexcept {
   constexpr std::size_t kThread = 2 * sizeof(void*);  // what std::thread keeps of its function
   PipelineMemory memory = Run::memory(config, config.latency.value_or(kDefaultLatency).count());
-  memory.rest +=
-      sizeof(Impl) + sizeof(Impl::LiveRun) + sizeof(Deadline) + Deadline::memory_bytes() + kThread;
+  memory.rest += sizeof(Impl) + sizeof(Deadline) + Deadline::memory_bytes() + kThread;
   return memory;
 }
 
@@ -297,13 +292,13 @@ bool Pipeline::Impl::enter(const Push& push) {
 }
 
 bool Pipeline::push(EventSpan events, Arrival arrival) {
-  return impl_->enter([&](Impl::LiveRun& live) {
+  return impl_->enter([&](LiveRun& live) {
     live.push([&](EventSpan good) { live.intake.take(good, live.arrival_ns); }, events, arrival);
   });
 }
 
 bool Pipeline::push(EventSpan events, Arrival arrival, const Poll& poll) {
-  return impl_->enter([&](Impl::LiveRun& live) {
+  return impl_->enter([&](LiveRun& live) {
     std::exception_ptr interrupted;  // by the poll: what follows counts too, but waits no longer
     const auto take = [&](EventSpan good) {
       try {
@@ -322,12 +317,13 @@ bool Pipeline::push(EventSpan events, Arrival arrival, const Poll& poll) {
 }
 
 void Pipeline::begin_epoch(std::int64_t first_us) noexcept {
-  impl_->enter([&](Impl::LiveRun& live) { live.run.validator().begin_epoch(first_us); });
+  impl_->enter([&](LiveRun& live) {
+    live.run.validator().begin_epoch(first_us);
+    live.run.publish();
+  });
 }
 
-std::int64_t Pipeline::clock_offset_us() const noexcept {
-  return impl_->live->run.validator().clock_offset_us();
-}
+std::int64_t Pipeline::clock_offset_us() const noexcept { return impl_->memory.clock_offset_us(); }
 
 void Pipeline::upstream_lost(std::uint64_t marks, std::uint64_t packets) noexcept {
   impl_->upstream_marks.fetch_add(marks, std::memory_order_relaxed);
@@ -518,7 +514,6 @@ void Pipeline::Impl::begin() {
   const std::lock_guard lock(control);
   if (has_package) throw std::logic_error("pipeline: a package is in work; complete() it first");
   hold.take();
-  if (scheme.latency_bound_ns() != 0) scheme.set_latency_bound_ns(latency_bound_ns);
   struct Free {
     Impl& pipeline;
     bool is_done = false;
@@ -526,8 +521,11 @@ void Pipeline::Impl::begin() {
       if (!is_done || !pipeline.algorithm) pipeline.hold.release();
     }
   } free{*this};
-  live = std::make_unique<LiveRun>(scheme, config);  // or the run before stays, if this throws
+  if (scheme.latency_bound_ns() != 0) scheme.set_latency_bound_ns(latency_bound_ns);
+  memory.reset(scheme, config);  // or the run before stays, if this throws
+  live.emplace(memory, config);
   free.is_done = true;
+  ++runs;
   upstream_marks = 0;
   upstream_packets = 0;
   door.open();
@@ -546,13 +544,22 @@ bool Pipeline::is_open() const noexcept { return impl_->door.is_open(); }
 
 Ledger Pipeline::ledger() const {
   const std::lock_guard lock(impl_->control);
-  return impl_->live->ledger();
+  return impl_->memory.ledger(impl_->live->outside());
 }
 
 PipelineStats Pipeline::stats() const {
+  PipelineStats stats;
+  this->stats(stats);
+  return stats;
+}
+
+void Pipeline::stats(PipelineStats& stats) const {
   const std::lock_guard lock(impl_->control);
-  const Impl::LiveRun& live = *impl_->live;
-  PipelineStats stats{live.stats()};
+  const LiveRun& live = *impl_->live;
+  live.run.copy_stats_to(stats, live.outside());
+  stats.gap_us = live.run.gap_us(&live.intake.gap());
+  stats.run = impl_->runs;
+  stats.begun = live.begun_at();
   stats.elapsed_ns = live.elapsed_ns();
   stats.upstream_marks = impl_->upstream_marks.load(std::memory_order_relaxed);
   stats.upstream_packets = impl_->upstream_packets.load(std::memory_order_relaxed);
@@ -562,10 +569,9 @@ PipelineStats Pipeline::stats() const {
   stats.latency_bound_ns = impl_->latency_bound_ns;
   stats.sensor_delay_ns = live.sensor_delay.last_ns();
   stats.sensor_delay_max_ns = live.sensor_delay.max_ns();
-  return stats;
 }
 
-const RunLog& Pipeline::log() const noexcept { return impl_->live->run.telemetry().log; }
+const RunLog& Pipeline::log() const noexcept { return impl_->memory.telemetry().log; }
 
 // ---- without exceptions
 

@@ -72,6 +72,17 @@ Run::Run(Scheme& scheme, const RunConfig& config, Source source)
   System::now();  // its page, too
 }
 
+void Run::reset(Scheme& scheme, const RunConfig& config) {
+  const std::int64_t bound_ns = asap::latency_bound_ns(config, scheme);
+  packager_.reset();
+  validator_ = Validator(config.validator);
+  telemetry_.reset(bound_ns);
+  buffer_.reset();
+  arrivals_->reset(arrival_step_ns(bound_ns));
+  publish();
+  failed_ = false;
+}
+
 PipelineMemory Run::memory(const RunConfig& config, std::int64_t latency_bound_ns) noexcept {
   const std::size_t capacity =
       std::min(ring_capacity(config, latency_bound_ns), EventBuffer::kMaxCapacity);
@@ -113,6 +124,7 @@ void Run::publish() noexcept {
   rejected_.bad_record = counts.bad_record;
   rejected_.before_start = counts.before_start;
   clock_resets_ = validator_.clock_resets();
+  clock_offset_us_ = validator_.clock_offset_us();
 }
 
 Rejections Run::rejected() const noexcept {

@@ -41,6 +41,11 @@ class Run {
   // The step to which the arrivals of a camera's events are known.
   static std::int64_t arrival_step_ns(std::int64_t latency_bound_ns) noexcept;
 
+  // Begins another run of a camera, in place and as constructed: takes no memory. Neither side is
+  // at work. Throws what the constructor would for this scheme as it is now: then nothing has
+  // changed.
+  void reset(Scheme& scheme, const RunConfig& config);
+
   // Producer, before the first push: the stamp of the first event, which ties stamps to run time.
   void begin(std::int64_t first_us, double speed = 1.0) noexcept;
   const TimeAxis& axis() const noexcept { return axis_; }
@@ -52,6 +57,7 @@ class Run {
   void publish() noexcept;
   // Any thread: what was last published.
   Rejections rejected() const noexcept;
+  std::int64_t clock_offset_us() const noexcept { return clock_offset_us_; }
 
   // What the driver of a run knows of it.
   struct Outside {
@@ -116,6 +122,7 @@ class Run {
     Relaxed<std::uint64_t> nonmonotonic, out_of_bounds, bad_polarity, bad_record, before_start;
   } rejected_;
   Relaxed<std::uint64_t> clock_resets_;
+  Relaxed<std::int64_t> clock_offset_us_;
   Relaxed<bool> failed_;
 };
 

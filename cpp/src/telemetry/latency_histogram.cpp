@@ -24,6 +24,13 @@ LatencyHistogram& LatencyHistogram::operator=(const LatencyHistogram& other) noe
   return *this;
 }
 
+void LatencyHistogram::clear(std::int64_t bound_ns) noexcept {
+  bound_ns_ = bound_ns;
+  std::ranges::fill(bins_, 0U);
+  count_ = within_bound_ = sum_low_ = sum_high_ = 0;
+  max_ns_ = 0;
+}
+
 std::int64_t LatencyHistogram::bound_ns() const noexcept { return load_relaxed(bound_ns_); }
 
 void LatencyHistogram::set_bound_ns(std::int64_t bound_ns) noexcept {

@@ -4,6 +4,12 @@
 
 namespace asap {
 
+void Telemetry::reset(std::int64_t latency_bound_ns) noexcept {
+  log.clear();
+  latency.clear(latency_bound_ns);
+  for (auto* count : {&filtered, &discarded, &stale, &overflow, &delivered}) *count = 0;
+}
+
 Ledger Telemetry::ledger() const noexcept {
   return {.filtered = filtered,
           .discarded = discarded,

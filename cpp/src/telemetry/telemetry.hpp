@@ -23,6 +23,9 @@ struct Telemetry {
   explicit Telemetry(std::int64_t latency_bound_ns, std::size_t max_rows = RunLog::kAllRows)
       : log(max_rows), latency(latency_bound_ns) {}
 
+  // Nothing is booked, as after construction. No other thread looks.
+  void reset(std::int64_t latency_bound_ns) noexcept;
+
   // The writer: all that `step` books is seen at once.
   template <class Step>
   void book(const Step& step) noexcept {

@@ -88,6 +88,15 @@ void allocates_nothing(Scheme& scheme, Execution execution) {
   EXPECT_GT(ledger.delivered, ledger.received / 100) << scheme.name();
 }
 
+TEST(LiveAllocations, NoneByALookIntoTheSameStats) {
+  const Pipeline pipeline({.capacity = 1000}, [](EventSpan) {});
+  PipelineStats stats{};
+  const std::uint64_t before = allocations();
+  for (int look = 0; look < 10; ++look) pipeline.stats(stats);
+  EXPECT_EQ(allocations(), before);
+  EXPECT_EQ(stats.run, 1u);
+}
+
 TEST(LiveAllocations, None) {
   for (const Execution execution : {Execution::whole, Execution::anytime}) {
     Deadline deadline({.latency = kBound});

@@ -300,6 +300,73 @@ TEST(Pipeline, RestartsFromNothingWhileTheCameraGoesOn) {
   }
 }
 
+TEST(Pipeline, ANewRunTakesTheMemoryOfTheOneBefore) {
+  Greedy scheme;
+  Pipeline pipeline(scheme, {.capacity = 1000});
+  const Events events = evenly_spaced(1500, 1);
+  const auto run = [&] {
+    pipeline.push(events);
+    pipeline.begin_epoch(0);
+    pipeline.stop();
+    pipeline.run([](EventSpan) {});
+    return pipeline.stats();
+  };
+  PipelineStats before = run();
+  const RunLog& log = pipeline.log();
+  EXPECT_EQ(log.size(), before.packages.count);
+  EXPECT_NE(pipeline.clock_offset_us(), 0);
+  const std::size_t allocated = test::allocations();
+  pipeline.start();
+  EXPECT_EQ(test::allocations(), allocated);
+  EXPECT_EQ(log.size(), 0u) << "the same log";
+  EXPECT_EQ(pipeline.clock_offset_us(), 0);
+
+  const PipelineStats now = run();
+  EXPECT_EQ(before.run, 1u);
+  EXPECT_EQ(now.run, 2u);
+  EXPECT_GT(now.begun, before.begun);
+  EXPECT_EQ(now.ledger, before.ledger);
+  EXPECT_EQ(now.rejected, before.rejected);
+  EXPECT_EQ(now.clock_resets, before.clock_resets);
+  EXPECT_EQ(now.latency.count(), before.latency.count());
+  EXPECT_EQ(now.packages.size, before.packages.size);
+  EXPECT_EQ(now.gap_us, before.gap_us);
+  EXPECT_EQ(now.max_waiting, before.max_waiting);
+}
+
+TEST(Pipeline, ANewRunHasTheFilterInFrontAsItWasGiven) {
+  Greedy scheme;
+  RunConfig config{.capacity = 1000};
+  config.front_filter = [first = true](EventSpan events, std::span<Event> out) mutable {
+    std::ranges::copy(events, out.begin());
+    return std::exchange(first, false) ? events.size() : 0;
+  };
+  Pipeline pipeline(scheme, config);
+  for (int run = 0; run < 2; ++run) {
+    pipeline.push(evenly_spaced(10, 1));
+    pipeline.stop();
+    pipeline.run([](EventSpan) {});
+    EXPECT_EQ(pipeline.ledger(), (Ledger{.received = 10, .delivered = 10}));
+    pipeline.start();
+  }
+}
+
+// Looked at by the producer between its pushes, also while another thread begins a new run.
+TEST(Pipeline, TheClockOffsetMayBeReadAcrossRuns) {
+  Pipeline pipeline({.latency = 5ms, .capacity = 4096, .log_rows = 0}, [](EventSpan) {});
+  std::jthread producer([&](const std::stop_token& done) {
+    Events event = at_times({0});
+    for (; !done.stop_requested(); ++event[0].t) {
+      pipeline.push(event);
+      EXPECT_EQ(pipeline.clock_offset_us(), 0);
+    }
+  });
+  for (int run = 0; run < 100; ++run) {
+    pipeline.stop();
+    pipeline.start();
+  }
+}
+
 TEST(Pipeline, StartWhileOpenChangesNothing) {
   Greedy scheme;
   Pipeline pipeline(scheme);

@@ -30,7 +30,9 @@ namespace asap {
 // The counts are those of the run since the last start(). An event's latency counts from its
 // arrival.
 struct PipelineStats : RunStats {
-  std::int64_t elapsed_ns = 0;  // since the first arrival
+  std::uint64_t run = 0;  // 1 for the constructor's, one more after each start()
+  std::chrono::steady_clock::time_point begun{};  // when the first event arrived; 0: none has
+  std::int64_t elapsed_ns = 0;                    // since then
   // Said by the driver; beside the ledger, not in it.
   std::uint64_t upstream_marks = 0;    // "events are missing here"
   std::uint64_t upstream_packets = 0;  // packets known to be lost
@@ -78,7 +80,8 @@ class Pipeline {
   // driver: time continues 1 us after the last event. Ignored after stop() and before an event.
   void begin_epoch(std::int64_t first_us) noexcept;
 
-  // The offset that is now added to the camera's stamps, us. The producer's.
+  // The offset that is added to the camera's stamps after the last push or begin_epoch(), us. Any
+  // thread.
   std::int64_t clock_offset_us() const noexcept;
 
   // The driver has lost events before they came here.
@@ -120,10 +123,10 @@ class Pipeline {
   // ends with it. A second call matters only if it sets drain = false.
   void stop(bool drain = true);
 
-  // Begins a new run after stop(), with an empty ring and all counts at 0; a worker begins anew
-  // too. No event of the run before may be in use. Throws std::logic_error while a consumer is
-  // inside or a package in work. Blocks until a push under way has returned and a worker has
-  // drained, so a push's poll must not call it.
+  // Begins a new run after stop(), with an empty ring and all counts at 0, in the memory of the one
+  // before; a worker begins anew too. No event of the run before may be in use. Throws
+  // std::logic_error while a consumer is inside or a package in work. Blocks until a push under way
+  // has returned and a worker has drained, so a push's poll must not call it.
   void start();
 
   // Sets the latency bound, also of a scheme that has one, from the consumer's next look on and for
@@ -134,8 +137,11 @@ class Pipeline {
   Ledger ledger() const;
   // Of one moment: stats.latency.count() == stats.ledger.delivered.
   PipelineStats stats() const;
+  // Overwrites `stats`, an object that is used again and again: allocates nothing.
+  void stats(PipelineStats& stats) const;
 
-  // The newest rows. After stop(), when the consumer has come to the end.
+  // The newest rows. After stop(), when the consumer has come to the end. start() empties it; it
+  // lives as long as the pipeline.
   const RunLog& log() const noexcept;
 
  private:

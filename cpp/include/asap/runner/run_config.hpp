@@ -64,13 +64,14 @@ struct RunConfig {
   std::function<void()> on_worker_start{};
 };
 
-// What a run has come to: a snapshot. What happened between two of them: `later.ledger -
-// earlier.ledger`, `later.latency.since(earlier.latency)`.
+// What a run has come to: a snapshot. What happened between two of one run: `later.ledger -
+// earlier.ledger`, `later.latency.since(earlier.latency)`. Of a pipeline that was started again
+// between them (PipelineStats::run), all of the later one happened since.
 struct RunStats {
-  Ledger ledger;
-  Rejections rejected;
-  LatencyHistogram latency;  // per delivered event, to the end of its package
-  PackageTotals packages;
+  Ledger ledger{};
+  Rejections rejected{};
+  LatencyHistogram latency{};  // per delivered event, to the end of its package
+  PackageTotals packages{};
   // The longest time between two delivered events in a row with a loss between, us: of wall time in
   // a replay, else of stamps.
   std::int64_t gap_us = 0;

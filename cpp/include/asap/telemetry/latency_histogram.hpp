@@ -17,10 +17,14 @@ namespace asap {
 
 class LatencyHistogram {
  public:
-  explicit LatencyHistogram(std::int64_t bound_ns = std::numeric_limits<std::int64_t>::max());
+  LatencyHistogram() : LatencyHistogram(std::numeric_limits<std::int64_t>::max()) {}
+  explicit LatencyHistogram(std::int64_t bound_ns);
   LatencyHistogram(const LatencyHistogram& other);
   LatencyHistogram& operator=(const LatencyHistogram& other) noexcept;
   static constexpr std::size_t memory_bytes() noexcept { return kBins * sizeof(std::uint64_t); }
+
+  // Forgets all, in place.
+  void clear(std::int64_t bound_ns) noexcept;
 
   // A negative latency (a stamp ahead of the clock) counts as 0.
   void record(std::int64_t latency_ns) noexcept { Batch(*this).record(latency_ns); }

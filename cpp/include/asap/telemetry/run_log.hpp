@@ -80,6 +80,12 @@ class RunLog {
   // Writes to the memory of a bounded log, so that no page of it is missing later. Before a row.
   void prefault() noexcept { std::fill_n(blocks_[0].get(), block_rows_, PackageRecord{}); }
 
+  // Forgets all rows and totals; keeps the memory.
+  void clear() noexcept {
+    size_ = 0;
+    totals_ = {};
+  }
+
   // Where stamps lie in run time; before a row is read.
   void set_axis(TimeAxis axis) noexcept { axis_ = axis; }
 
