@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
+#include <condition_variable>
 #include <cstddef>
 #include <exception>
 #include <mutex>
@@ -29,10 +31,13 @@ namespace {
 
 thread_local const void* worker_of = nullptr;  // whose worker this thread is
 
-Consumer given(Consumer algorithm) {
+template <class Algorithm>
+Algorithm&& given(Algorithm&& algorithm) {
   if (!algorithm) throw_bad_value("algorithm", "none", "give what the events are for");
-  return algorithm;
+  return std::forward<Algorithm>(algorithm);
 }
+
+constexpr std::chrono::nanoseconds kLongestWait = std::chrono::hours(24);  // no clock overflows
 
 constexpr auto kLook = std::chrono::microseconds(100);  // how often ~Pipeline looks at the seat
 
@@ -100,6 +105,7 @@ struct Pipeline::Impl {
   void take_scheme();
   void finish() noexcept;
   void fail();
+  void say_ended() noexcept;
   void start_on_worker();
   void end_work();
 
@@ -124,6 +130,8 @@ struct Pipeline::Impl {
   std::mutex worker_control;  // start and join; taken before control
   std::exception_ptr error;   // what it has thrown
   std::atomic<bool> works{false};
+  std::mutex end;  // of the worker's work
+  std::condition_variable ended;
   std::atomic<bool> has_stack{false};  // the worker: of RunConfig::prefault
   std::thread worker;
 };
@@ -389,7 +397,7 @@ void Pipeline::Impl::abandon() {
 
 void Pipeline::run(const Consumer& consumer, const Poll& poll) {
   impl_->require_no_worker();
-  impl_->consume(consumer, poll);
+  impl_->consume(given(consumer), poll);
 }
 
 void Pipeline::Impl::consume(const Consumer& consumer, const Poll& poll) {
@@ -409,8 +417,7 @@ void Pipeline::Impl::consume(const Consumer& consumer, const Poll& poll) {
 
 void Pipeline::Impl::set_to_work() {
   const auto give_up = [this] {
-    works = false;
-    works.notify_all();
+    say_ended();
     abandon();
   };
   works = true;
@@ -427,8 +434,7 @@ void Pipeline::Impl::set_to_work() {
       } catch (...) {
         error = std::current_exception();
       }
-      works = false;
-      works.notify_all();
+      say_ended();
     });
     if (config.prefault) has_stack.wait(false);
   } catch (const std::system_error& refused) {
@@ -439,6 +445,12 @@ void Pipeline::Impl::set_to_work() {
     give_up();
     throw;
   }
+}
+
+void Pipeline::Impl::say_ended() noexcept {
+  const std::lock_guard lock(end);
+  works = false;
+  ended.notify_all();
 }
 
 void Pipeline::Impl::start_on_worker() {
@@ -452,10 +464,20 @@ void Pipeline::Impl::start_on_worker() {
 }
 
 void Pipeline::join() {
+  while (!join_for(std::chrono::hours(1))) {
+  }
+}
+
+bool Pipeline::join_for(std::chrono::nanoseconds timeout) {
   impl_->require_another_thread();
-  impl_->works.wait(true);
+  {
+    std::unique_lock lock(impl_->end);
+    const auto is_over = [this] { return !impl_->works; };
+    if (!impl_->ended.wait_for(lock, std::min(timeout, kLongestWait), is_over)) return false;
+  }
   const std::lock_guard lock(impl_->worker_control);
   if (!impl_->works) impl_->end_work();  // else a new run has begun
+  return true;
 }
 
 void Pipeline::Impl::require_another_thread() const {

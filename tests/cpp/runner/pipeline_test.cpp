@@ -367,6 +367,13 @@ TEST(Pipeline, TheClockOffsetMayBeReadAcrossRuns) {
   }
 }
 
+TEST(Pipeline, RefusesToRunNothing) {
+  Greedy scheme;
+  Pipeline pipeline(scheme);
+  EXPECT_EQ(test::error_of([&] { pipeline.run({}); }).rfind("algorithm = none", 0), 0u);
+  EXPECT_TRUE(pipeline.is_open());
+}
+
 TEST(Pipeline, StartWhileOpenChangesNothing) {
   Greedy scheme;
   Pipeline pipeline(scheme);
@@ -1059,6 +1066,22 @@ TEST(PipelineWorker, JoinThrowsWhatTheAlgorithmThrew) {
   EXPECT_FALSE(pipeline.stats().failed);
   pipeline.stop();
   pipeline.join();  // nor by the next run
+}
+
+TEST(PipelineWorker, IsWaitedForNoLongerThanAsked) {
+  std::atomic<bool> hangs = true;
+  Pipeline pipeline{kPatient, [&](EventSpan) {
+                      hangs.wait(true);
+                      throw std::domain_error("of the algorithm");
+                    }};
+  pipeline.push(evenly_spaced(10, 1));
+  pipeline.stop();
+  EXPECT_FALSE(pipeline.join_for(0ns));
+  EXPECT_FALSE(pipeline.join_for(10ms));
+  hangs = false;
+  hangs.notify_all();
+  EXPECT_THROW(pipeline.join_for(std::chrono::nanoseconds::max()), std::domain_error);
+  EXPECT_TRUE(pipeline.join_for(0ns));
 }
 
 TEST(PipelineWorker, BeginsAnew) {

@@ -104,6 +104,7 @@ class Pipeline {
   // Runs the algorithm until stop(), after completing the package of next(), if one is in work.
   // Calls `poll` every 20 ms or, while the algorithm works, between two packages; it may throw. An
   // exception of either comes out unchanged, the pipeline stopped and the package in work pending.
+  // Throws std::invalid_argument for a consumer that is none.
   void run(const Consumer& consumer, const Poll& poll = {});
 
   // ---- the worker, if there is one
@@ -111,6 +112,8 @@ class Pipeline {
   // Waits until the worker has ended, after stop() or because the algorithm has thrown, and
   // rethrows that exception. Throws std::logic_error if the algorithm calls it.
   void join();
+  // The same, for this long at most. Returns whether the worker has ended.
+  bool join_for(std::chrono::nanoseconds timeout);
 
   // ---- any thread
 
