@@ -142,6 +142,17 @@ def test_what_needs_the_algorithms_says_so(tmp_path: Path) -> None:
     assert "build the core alone with -DASAP_ALGORITHMS=OFF" in " ".join(found.split())
 
 
+def test_the_libraries_hold_no_symbol_of_others(prefix: Path, tmp_path: Path) -> None:
+    """A weak symbol of another library would stand for its own in the whole program."""
+    libraries = sorted(prefix.rglob("libasap_*.a"))
+    names = run(["nm", "--demangle", "--defined-only", *libraries])
+    weak = re.findall(r"^[0-9a-f]+ [uVWw] (.*)$", names, re.M)
+    assert any("asap::" in name for name in weak)
+    others = [name for name in weak if not re.search(r"\b(asap|std)::|^DW\.ref\.|__gnu_cxx::", name)]
+    assert others == []
+    assert not re.search(r"\bEigen::", names)
+
+
 def test_the_core_holds_neither_formats_nor_scenes(prefix: Path) -> None:
     (core,) = prefix.rglob("libasap_core.a")
     names = run(["nm", "--demangle", "--defined-only", core])
