@@ -153,6 +153,14 @@ def test_the_libraries_hold_no_symbol_of_others(prefix: Path, tmp_path: Path) ->
     assert not re.search(r"\bEigen::", names)
 
 
+def test_a_shared_library_exports_none_of_ours(prefix: Path, tmp_path: Path) -> None:
+    shared, libraries = tmp_path / "all.so", sorted(prefix.rglob("libasap_*.a"))
+    whole = ["-Wl,--whole-archive", *libraries, "-Wl,--no-whole-archive"]
+    run(["c++", "-shared", "-pthread", *whole, "-o", shared])
+    exported = run(["nm", "--demangle", "--dynamic", "--defined-only", shared])
+    assert [line for line in exported.splitlines() if re.match(r"\S+ \S asap::", line)] == []
+
+
 def test_the_core_holds_neither_formats_nor_scenes(prefix: Path) -> None:
     (core,) = prefix.rglob("libasap_core.a")
     names = run(["nm", "--demangle", "--defined-only", core])
