@@ -142,6 +142,11 @@ def test_what_needs_the_algorithms_says_so(tmp_path: Path) -> None:
     assert "build the core alone with -DASAP_ALGORITHMS=OFF" in " ".join(found.split())
 
 
+def test_shared_libraries_are_refused(tmp_path: Path) -> None:
+    found = run(["cmake", "-S", ROOT, "-B", tmp_path, "-DBUILD_SHARED_LIBS=ON"], check=False)
+    assert "BUILD_SHARED_LIBS = ON: the libraries are static" in found
+
+
 def test_the_libraries_hold_no_symbol_of_others(prefix: Path, tmp_path: Path) -> None:
     """A weak symbol of another library would stand for its own in the whole program."""
     libraries = sorted(prefix.rglob("libasap_*.a"))
