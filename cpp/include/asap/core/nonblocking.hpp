@@ -6,7 +6,7 @@
 
 #include <utility>
 
-#if defined(__clang__) && defined(__has_cpp_attribute)
+#if defined(__clang__) && __clang_major__ >= 20  // 19 wants the mark at each definition, too
 #if __has_cpp_attribute(clang::nonblocking)
 #define ASAP_NONBLOCKING [[clang::nonblocking]]
 #endif
