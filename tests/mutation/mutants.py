@@ -126,8 +126,21 @@ MUTANTS: list[Mutant] = [
             "ledger.overflow += overflow;",
             "ledger.overflow = overflow;",
         ),
-        thinned_missing_in_the_ledger=("  ledger.discarded += thinned;\n", ""),
-        not_in_the_ring_missing_in_the_ledger=("tail - booked) + outside;", "tail - booked);"),
+        thinned_missing_in_the_ledger=("  ledger.discarded += outside.thinned;\n", ""),
+        not_in_the_ring_missing_in_the_ledger=(
+            "tail - booked) + outside.waiting;",
+            "tail - booked);",
+        ),
+        books_of_the_run_before=("  telemetry_.reset(bound_ns);\n", ""),
+        stamps_of_the_run_before=("  validator_ = Validator(config.validator);\n", ""),
+    ),
+    *in_file(
+        SOURCE + "telemetry/telemetry.cpp",
+        "runner",
+        copy_of_two_moments=(
+            "return steps_.load(std::memory_order_relaxed) == before;",
+            "return true;",
+        ),
     ),
     *in_file(
         SOURCE + "runner/pipeline.cpp",
@@ -173,8 +186,8 @@ MUTANTS: list[Mutant] = [
         SOURCE + "packager/books.cpp",
         "packager",
         "runner",
-        drop_oldest_not_counted=("  telemetry_.overflow += left.count;\n", ""),
-        stale_not_counted=("  telemetry_.stale += left.count;\n", ""),
+        drop_oldest_not_counted=("telemetry_.overflow += left.count;", ""),
+        stale_not_counted=("telemetry_.stale += left.count;", ""),
         filtered_counted_twice=(
             "package.raw - filtered - package.events.size();",
             "package.raw - package.events.size();",

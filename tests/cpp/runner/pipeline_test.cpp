@@ -308,7 +308,7 @@ TEST(Pipeline, ANewRunTakesTheMemoryOfTheOneBefore) {
     pipeline.push(events);
     pipeline.begin_epoch(0);
     pipeline.stop();
-    pipeline.run([](EventSpan) {});
+    pipeline.run([](const Package& package) { EXPECT_EQ(package.index, 0u); });
     return pipeline.stats();
   };
   PipelineStats before = run();
