@@ -192,7 +192,7 @@ void JaerClusterTracker::remove(std::size_t index) noexcept {
 // ---- output ----
 
 std::vector<Cluster> JaerClusterTracker::clusters_at(std::int64_t t_us) const {
-  fast::EventClock clock = clock_;
+  EventClock clock = clock_;
   clock.advance_to(t_us);
   std::vector<Cluster> clusters;
   for (const Slot slot : active_) {

@@ -13,8 +13,8 @@
 #include <span>
 #include <vector>
 
+#include "algorithms/event_clock.hpp"
 #include "algorithms/fast/association.hpp"
-#include "algorithms/fast/time.hpp"
 #include "algorithms/sensor_frame.hpp"
 #include "asap/algorithms/cluster_tracker.hpp"
 #include "asap/core/event.hpp"
@@ -87,7 +87,7 @@ class JaerClusterTracker {
 
   Config config_;
   SensorFrame frame_;
-  fast::EventClock clock_;
+  EventClock clock_;
   std::vector<Box> boxes_;
   std::vector<Slot> active_;  // oldest first
   std::vector<Slot> free_;

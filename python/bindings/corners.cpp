@@ -24,7 +24,7 @@ $refuses
 
 Notes
 -----
-A few nanoseconds per event. Threads take turns. A stamp that goes back counts as the latest one.
+A few nanoseconds per event. Threads take turns. A stamp that goes back by up to 1 s counts as the latest one.
 Source: Delbruck, "Frame-free dynamic digital vision", 2008.
 )";
 
@@ -40,7 +40,7 @@ $refuses
 
 Notes
 -----
-Threads take turns. A stamp that goes back counts as the latest one. Source: Mueggler, Bartolozzi,
+Threads take turns. A stamp that goes back by up to 1 s counts as the latest one. Source: Mueggler, Bartolozzi,
 Scaramuzza, "Fast Event-based Corner Detection", BMVC 2017. The authors' release swaps the sides of its
 surface, which changes some labels where width is not height; here they are as published.
 )";
@@ -60,7 +60,7 @@ $refuses
 
 Notes
 -----
-Threads take turns. A stamp that goes back counts as the latest one. A pixel without an event counts as
+Threads take turns. A stamp that goes back by up to 1 s counts as the latest one. A pixel without an event counts as
 fired at time 0, as in the authors' release, or just before the first stamp if that is negative. Source:
 Alzugaray, Chli, "Asynchronous Corner Detection and Tracking for Event Cameras in Real Time", RA-L 2018.
 )";
@@ -100,7 +100,7 @@ $refuses
 
 Notes
 -----
-Threads take turns. A stamp that goes back counts as the latest one. Source: Li, Shi, Zhang, Li, Liu,
+Threads take turns. A stamp that goes back by up to 1 s counts as the latest one. Source: Li, Shi, Zhang, Li, Liu,
 "FA-Harris: A Fast and Asynchronous Corner Detector for Event Cameras", IROS 2019, with the constants of
 its release; equal stamps, undefined there, are ordered by arrival.
 )";

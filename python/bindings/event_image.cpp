@@ -31,7 +31,7 @@ $refuses
 
 Notes
 -----
-Threads take turns. A stamp that goes back counts as the latest one. Each image costs a pass over the
+Threads take turns. A stamp that goes back by up to 1 s counts as the latest one. Each image costs a pass over the
 pixels. Channels as in Sanket et al., "EVDodgeNet", ICRA 2020, and Zhu et al., "EV-FlowNet", RSS 2018.
 )";
 

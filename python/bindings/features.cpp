@@ -36,7 +36,7 @@ $refuses
 Notes
 -----
 The cost of an event does not depend on the number of tracks. Threads take turns. A stamp that goes back
-counts as the latest one. Source: the authors' release of the event feature tracker of the GRVC
+by up to 1 s counts as the latest one. Source: the authors' release of the event feature tracker of the GRVC
 (grvc_ef_tracker), which the ASAP papers use, with its launch values; `window_us`, ids and velocities are
 ours.
 )";

@@ -29,7 +29,7 @@ $refuses
 
 Notes
 -----
-Threads take turns. A stamp that goes back counts as the latest one. Source: Benosman, Clercq, Lagorce,
+Threads take turns. A stamp that goes back by up to 1 s counts as the latest one. Source: Benosman, Clercq, Lagorce,
 Ieng, Bartolozzi, "Event-Based Visual Flow", IEEE TNNLS 2014.
 )";
 

@@ -4,6 +4,7 @@
 #include <functional>
 #include <limits>
 
+#include "algorithms/event_clock.hpp"
 #include "algorithms/sensor_frame.hpp"
 #include "core/check.hpp"
 
@@ -38,9 +39,9 @@ std::int64_t period_begin(std::int64_t stamp_us, std::int64_t period_us) noexcep
   return stamp_us < kEarliest + into ? kEarliest : stamp_us - into;
 }
 
-// later - earlier, without overflow.
-std::uint64_t distance(std::int64_t earlier, std::int64_t later) noexcept {
-  return static_cast<std::uint64_t>(later) - static_cast<std::uint64_t>(earlier);
+// Without overflow.
+std::int64_t moved(std::int64_t stamp_us, std::uint64_t step_us) noexcept {
+  return static_cast<std::int64_t>(static_cast<std::uint64_t>(stamp_us) + step_us);
 }
 
 }  // namespace
@@ -62,12 +63,12 @@ class EventImage::Impl {
         ++rejected;
         continue;
       }
-      last_us_ = event.t > last_us_ ? event.t : last_us_;
-      if (period_is_over()) {  // the event begins the next image
+      if (period_is_over(event.t)) {  // the event begins the next image
         close();
         events = events.subspan(i);
         return true;
       }
+      advance(event.t);
       add(event);
       if (is_full()) {
         close();
@@ -116,9 +117,21 @@ class EventImage::Impl {
   std::uint64_t rejected = 0;
 
  private:
-  bool period_is_over() const noexcept {
-    return config.period.count() > 0 && has_begun() &&
-           distance(begin_us_, last_us_) >= static_cast<std::uint64_t>(config.period.count());
+  bool period_is_over(std::int64_t t_us) const noexcept {
+    if (config.period.count() == 0 || !has_begun()) return false;
+    if (t_us < last_us_) return begins_epoch(last_us_, t_us);
+    return distance_us(begin_us_, t_us) >= static_cast<std::uint64_t>(config.period.count());
+  }
+
+  // As EventClock does. In a new epoch the image by count has begun as long ago as before.
+  void advance(std::int64_t t_us) noexcept {
+    if (t_us < last_us_) {
+      if (!begins_epoch(last_us_, t_us)) return;
+      const std::uint64_t step_us = distance_us(last_us_, t_us);
+      begin_us_ = moved(begin_us_, step_us);
+      epoch_us_ += step_us;
+    }
+    last_us_ = t_us;
   }
 
   bool is_full() const noexcept {
@@ -132,7 +145,7 @@ class EventImage::Impl {
     }
     const std::size_t pixel = event.y * std::size_t{frame_.width()} + event.x;
     (event.p > 0 ? on_ : off_)[pixel] += static_cast<float>(weight_);
-    times_us_[pixel] = last_us_;
+    times_us_[pixel] = moved(last_us_, -epoch_us_);
     filled_ += weight_;
   }
 
@@ -154,9 +167,10 @@ class EventImage::Impl {
         break;
     }
     // A stamp stands for the whole microsecond, so an event at the begin differs from none.
-    const double duration_us = static_cast<double>(distance(image_begin_us_, image_end_us_));
+    const double duration_us = static_cast<double>(distance_us(image_begin_us_, image_end_us_));
+    const std::int64_t begin_us = moved(begin_us_, -epoch_us_);
     for (std::size_t i = 0; i < off_.size(); ++i) {
-      const double age_us = static_cast<double>(distance(begin_us_, times_us_[i])) + 1;
+      const double age_us = static_cast<double>(distance_us(begin_us, times_us_[i])) + 1;
       const bool fired = on_[i] > 0 || off_[i] > 0;
       out[i] = fired ? static_cast<float>(std::min(age_us / duration_us, 1.0)) : 0.0F;
     }
@@ -165,11 +179,12 @@ class EventImage::Impl {
   SensorFrame frame_;
   std::vector<float> off_;  // belongs to the image that has begun
   std::vector<float> on_;
-  std::vector<std::int64_t> times_us_;
+  std::vector<std::int64_t> times_us_;  // in the first epoch
   std::vector<float> image_;
   double weight_ = 1;
   double filled_ = 0;  // weight of the image that has begun
   std::int64_t begin_us_ = 0;
+  std::uint64_t epoch_us_ = 0;  // from the first epoch's stamps to those of now
   std::int64_t last_us_ = std::numeric_limits<std::int64_t>::min();
   std::int64_t image_begin_us_ = 0;
   std::int64_t image_end_us_ = 0;

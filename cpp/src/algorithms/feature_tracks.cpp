@@ -15,11 +15,6 @@ std::int32_t id_of(std::uint64_t created) noexcept {
   return static_cast<std::int32_t>(created & 0x7fffffffU);
 }
 
-// Does not overflow, whatever the stamps.
-std::uint64_t distance_us(std::int64_t earlier, std::int64_t later) noexcept {
-  return static_cast<std::uint64_t>(later) - static_cast<std::uint64_t>(earlier);
-}
-
 const FeatureConfig& checked(const FeatureConfig& config) {
   constexpr int kMaxSide = 16384;
   constexpr int kMaxWindow = 65535;  // tracks have numbers of 16 bits
@@ -80,13 +75,14 @@ std::int32_t FeatureTracks::update(const Event& corner) noexcept {
     begin(slot, corner);
   }
   const std::int32_t id = id_of(tracks_[slot].created);
-  while (oldest_ != kNone && tracks_[oldest_].t_last <= oldest_us) end(oldest_);
+  while (oldest_ != kNone && tracks_[oldest_].last_us <= oldest_us) end(oldest_);
   return id;
 }
 
 // Returns the stamp of the oldest corner event that is remembered.
 std::int64_t FeatureTracks::remember(const Event& corner) noexcept {
-  now_us_ = std::max(now_us_, corner.t);
+  clock_.advance(corner.t);
+  now_us_ = static_cast<std::int64_t>(clock_.now_us());
   latest_us_[std::size_t{corner.y} * frame_.width() + corner.x] = now_us_;
   const auto forget_oldest = [&] {
     oldest_stamp_ = oldest_stamp_ + 1 < stamps_us_.size() ? oldest_stamp_ + 1 : 0;
@@ -139,8 +135,9 @@ void FeatureTracks::begin(Slot slot, const Event& corner) noexcept {
            .y = corner.y,
            .older = kNone,
            .newer = kNone,
-           .t_first = now_us_,
-           .t_last = now_us_,
+           .t_first = clock_.latest_us(),
+           .t_last = clock_.latest_us(),
+           .last_us = now_us_,
            .created = created_++,
            .size = 1,
            .motion = {}};
@@ -151,11 +148,12 @@ void FeatureTracks::begin(Slot slot, const Event& corner) noexcept {
 
 void FeatureTracks::move(Slot slot, const Event& corner) noexcept {
   Track& track = tracks_[slot];
-  track.motion.add(corner.x, corner.y, static_cast<double>(distance_us(track.t_last, now_us_)),
+  track.motion.add(corner.x, corner.y, static_cast<double>(distance_us(track.last_us, now_us_)),
                    velocity_us_);
   track.x = corner.x;
   track.y = corner.y;
-  track.t_last = now_us_;
+  track.t_last = clock_.latest_us();
+  track.last_us = now_us_;
   ++track.size;
   places_.move(slot, grid_.cell(corner.x, corner.y));
   unlink(slot);
@@ -212,7 +210,7 @@ void FeatureTracks::clear() noexcept {
   set_gamma(1);
   oldest_stamp_ = 0;
   stamps_ = 0;
-  now_us_ = kNever_us;
+  clock_ = {};
   places_.clear();
   free_.clear();
   for (std::size_t slot = tracks_.size(); slot-- > 0;) free_.push_back(static_cast<Slot>(slot));

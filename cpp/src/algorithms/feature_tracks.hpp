@@ -10,6 +10,7 @@
 
 #include "algorithms/cell_grid.hpp"
 #include "algorithms/centre_grid.hpp"
+#include "algorithms/event_clock.hpp"
 #include "algorithms/sensor_frame.hpp"
 #include "asap/algorithms/feature_tracker.hpp"
 #include "asap/core/event.hpp"
@@ -86,10 +87,11 @@ class FeatureTracks {
   struct Track {
     std::uint16_t x;
     std::uint16_t y;
-    Slot older;  // neighbours in the order of t_last
+    Slot older;  // neighbours in the order of last_us
     Slot newer;
-    std::int64_t t_first;
+    std::int64_t t_first;  // stamps
     std::int64_t t_last;
+    std::int64_t last_us;   // by the clock
     std::uint64_t created;  // number of creation
     std::uint64_t size;
     DiscountedMotion motion;
@@ -115,13 +117,14 @@ class FeatureTracks {
   std::vector<std::int64_t> stamps_us_;  // of those that are remembered, a ring
   std::size_t oldest_stamp_ = 0;
   std::size_t stamps_ = 0;
-  std::int64_t now_us_ = 0;
+  EventClock clock_;
+  std::int64_t now_us_ = 0;  // by the clock, as are all times but stamps
 
   CellGrid grid_;
   CentreGrid places_;
   std::vector<Track> tracks_;
   std::vector<Slot> free_;
-  Slot oldest_ = kNone;  // ends of the order of t_last
+  Slot oldest_ = kNone;  // ends of the order of last_us
   Slot newest_ = kNone;
   std::uint64_t created_ = 0;
 };

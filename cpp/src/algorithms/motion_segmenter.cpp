@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <span>
 
+#include "algorithms/event_clock.hpp"
 #include "algorithms/motion/background_motion.hpp"
 #include "algorithms/motion/motion_regions.hpp"
 #include "algorithms/motion/recent_flow.hpp"
@@ -40,11 +40,8 @@ std::size_t capacity(const MotionSegmenterConfig& config) {
   return std::clamp<std::size_t>(pixels / 4, 1024, 32768);
 }
 
-// later - earlier, or half of the largest value if that is less: stamps are any int64.
-std::int64_t between(std::int64_t earlier, std::int64_t later) noexcept {
-  constexpr auto far = static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max() / 2);
-  return static_cast<std::int64_t>(
-      std::min(far, static_cast<std::uint64_t>(later) - static_cast<std::uint64_t>(earlier)));
+std::int64_t elapsed_us(const EventClock& clock) noexcept {
+  return static_cast<std::int64_t>(clock.now_us() - EventClock::kOrigin_us);
 }
 
 }  // namespace
@@ -78,13 +75,14 @@ class MotionSegmenter::Impl {
 
   void read(std::int64_t t_us, std::vector<TrackedObject>& objects) const {
     objects.clear();
-    if (!has_begun_) return;
-    const std::int64_t elapsed_us = t_us > latest_us_ ? between(first_us_, t_us) : elapsed_us_;
-    tracks_.read(objects, elapsed_us - (next_step_us_ - kStep_us), background_.is_known());
+    if (!clock_.started()) return;
+    EventClock clock = clock_;
+    clock.advance_to(t_us);
+    tracks_.read(objects, elapsed_us(clock) - (next_step_us_ - kStep_us), background_.is_known());
     for (TrackedObject& object : objects) object.t_last = stamp_of(object.t_last);
   }
 
-  void read(std::vector<TrackedObject>& objects) const { read(latest_us_, objects); }
+  void read(std::vector<TrackedObject>& objects) const { read(clock_.latest_us(), objects); }
 
   std::optional<CameraMotion> camera_motion() const noexcept {
     if (!background_.is_known()) return {};
@@ -107,7 +105,9 @@ class MotionSegmenter::Impl {
     recent_.clear();
     background_.reset();
     tracks_.clear();
-    has_begun_ = false;
+    clock_ = {};
+    elapsed_us_ = 0;
+    next_step_us_ = kStep_us;
     gamma = {};
   }
 
@@ -117,15 +117,8 @@ class MotionSegmenter::Impl {
 
  private:
   void advance(std::int64_t t_us) noexcept {
-    if (!has_begun_) [[unlikely]] {
-      has_begun_ = true;
-      first_us_ = latest_us_ = t_us;
-      elapsed_us_ = 0;
-      next_step_us_ = kStep_us;
-    }
-    if (t_us <= latest_us_) return;
-    latest_us_ = t_us;
-    elapsed_us_ = between(first_us_, latest_us_);
+    clock_.advance(t_us);
+    elapsed_us_ = elapsed_us(clock_);
     while (elapsed_us_ >= next_step_us_) step();
   }
 
@@ -152,18 +145,15 @@ class MotionSegmenter::Impl {
     next_step_us_ = is_silent ? (elapsed_us_ / kStep_us + 1) * kStep_us : next_step_us_ + kStep_us;
   }
 
-  std::int64_t stamp_of(std::int64_t elapsed_us) const noexcept {
-    return static_cast<std::int64_t>(static_cast<std::uint64_t>(first_us_) +
-                                     static_cast<std::uint64_t>(elapsed_us));
+  std::int64_t stamp_of(std::int64_t then_us) const noexcept {
+    return clock_.stamp_us(elapsed_us_ - then_us);
   }
 
   motion::RecentFlow recent_;
   motion::BackgroundMotion background_;
   motion::MotionRegions regions_;
   motion::RegionTracks tracks_;
-  bool has_begun_ = false;
-  std::int64_t first_us_ = 0;
-  std::int64_t latest_us_ = 0;
+  EventClock clock_;
   std::int64_t elapsed_us_ = 0;
   std::int64_t next_step_us_ = kStep_us;
 };

@@ -12,6 +12,7 @@
 #include <memory>
 #include <vector>
 
+#include "algorithms/event_clock.hpp"
 #include "algorithms/sensor_frame.hpp"
 #include "asap/core/event.hpp"
 
@@ -41,10 +42,13 @@ class OrderSurface {
     return ++newest_;
   }
 
-  // Number of a stamp: equal stamps, equal numbers. A stamp that goes back counts as the latest.
-  // One surface numbers either events or stamps.
+  // Number of a stamp: equal stamps, equal numbers. A stamp that goes back counts as EventClock
+  // says. One surface numbers either events or stamps.
   Number next(std::int64_t stamp_us) noexcept {
-    if (stamp_us <= last_us_) return newest_;
+    if (stamp_us <= last_us_) {
+      if (begins_epoch(last_us_, stamp_us)) last_us_ = stamp_us;
+      return newest_;
+    }
     last_us_ = stamp_us;
     return next();
   }

@@ -2,7 +2,7 @@
 // a window of at most kMaxWindow_us. Times count from an origin that moves up when they would
 // overflow, about every 18 minutes; what is then older than any window becomes `never`, which
 // changes no answer. One thread. O(1) but for that move, which is one pass over the cells;
-// allocates in the constructor only. Stamps that go back count as the latest one.
+// allocates in the constructor only. Stamps that go back count as EventClock says.
 #pragma once
 
 #include <algorithm>
@@ -10,6 +10,8 @@
 #include <cstdint>
 #include <limits>
 #include <vector>
+
+#include "algorithms/event_clock.hpp"
 
 namespace asap {
 
@@ -25,8 +27,13 @@ class RecentTimes {
 
   // The time of a stamp. Times read earlier are void when the origin has moved; the cells are not.
   Time time_of(std::int64_t stamp_us) noexcept {
-    last_us_ = std::max(last_us_, stamp_us);
-    const std::uint64_t since_origin = distance(origin_us_, last_us_);
+    if (stamp_us >= last_us_) [[likely]] {
+      last_us_ = stamp_us;
+    } else if (begins_epoch(last_us_, stamp_us)) {
+      move_origin_by(distance_us(last_us_, stamp_us));
+      last_us_ = stamp_us;
+    }
+    const std::uint64_t since_origin = distance_us(origin_us_, last_us_);
     if (!started_ || since_origin > kMaxTime) [[unlikely]]
       return move_origin();
     return static_cast<Time>(since_origin);
@@ -39,11 +46,9 @@ class RecentTimes {
  private:
   static constexpr std::uint64_t kMaxTime = std::numeric_limits<Time>::max();
 
-  // later - earlier, without overflow.
-  static std::uint64_t distance(std::int64_t earlier, std::int64_t later) noexcept {
-    return static_cast<std::uint64_t>(later) - static_cast<std::uint64_t>(earlier);
+  void move_origin_by(std::uint64_t us) noexcept {
+    origin_us_ = static_cast<std::int64_t>(static_cast<std::uint64_t>(origin_us_) + us);
   }
-
   Time move_origin() noexcept;
 
   Time never_;
@@ -66,11 +71,11 @@ inline RecentTimes::Time RecentTimes::move_origin() noexcept {
     const bool lowest = last_us_ == std::numeric_limits<std::int64_t>::min();
     origin_us_ = std::min<std::int64_t>(0, lowest ? last_us_ : last_us_ - 1);
   }
-  const std::uint64_t since_origin = distance(origin_us_, last_us_);
+  const std::uint64_t since_origin = distance_us(origin_us_, last_us_);
   if (since_origin <= kMaxTime) return static_cast<Time>(since_origin);
 
   const std::uint64_t shift = since_origin - kNow;
-  origin_us_ = static_cast<std::int64_t>(static_cast<std::uint64_t>(origin_us_) + shift);
+  move_origin_by(shift);
   const auto step = static_cast<std::int64_t>(std::min(shift, 2 * kMaxTime));
   for (Time& time : times_) {
     time = static_cast<Time>(std::max<std::int64_t>(time - step, never_));

@@ -1,12 +1,13 @@
 // What every algorithm keeps, whatever it finds: the stream may be cut anywhere, events outside the
-// frame change nothing, a stamp that goes back counts as the latest, nothing is allocated after
-// construction.
+// frame change nothing, a stamp that goes back counts as the latest, a silence or a stamp far ahead
+// blinds it no longer than its memory, nothing is allocated after construction.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <map>
 #include <span>
 #include <stdexcept>
 #include <type_traits>
@@ -14,12 +15,16 @@
 #include <vector>
 
 #include "algorithms/corner_streams.hpp"
+#include "asap/algorithms/cluster_tracker.hpp"
 #include "asap/algorithms/corner_detector.hpp"
 #include "asap/algorithms/event_image.hpp"
 #include "asap/algorithms/event_surface.hpp"
+#include "asap/algorithms/feature_tracker.hpp"
+#include "asap/algorithms/motion_segmenter.hpp"
 #include "asap/algorithms/noise_filters.hpp"
 #include "asap/algorithms/plane_flow.hpp"
 #include "asap/algorithms/published_cluster_tracker.hpp"
+#include "study/scenes/moving_shapes.hpp"
 #include "support/allocation_counter.hpp"
 
 namespace asap::every_algorithm_test {
@@ -29,10 +34,18 @@ constexpr std::size_t kEvents = 20'000;
 constexpr int kWidth = 40;
 constexpr int kHeight = 30;
 
+struct ImageOfAPeriod : EventImage {
+  using EventImage::EventImage;
+};
+
 template <class Algorithm>
 Algorithm made(int width = kWidth, int height = kHeight) {
   typename Algorithm::Config config{.width = width, .height = height};
   if constexpr (std::is_same_v<Algorithm, EventImage>) config.count = 700;
+  if constexpr (std::is_same_v<Algorithm, ImageOfAPeriod>) {
+    config.period = std::chrono::milliseconds(3);
+    config.channels.push_back(ImageChannel::time);
+  }
   if constexpr (std::is_same_v<Algorithm, HotPixelMask>) config.learn_events = 700;
   return Algorithm(config);
 }
@@ -70,11 +83,30 @@ class Seen {
       numbers.insert(numbers.end(), view.values.begin(), view.values.end());
     });
   }
+  void process(ClusterTracker& tracker, EventSpan events) { label(tracker, events); }
+  void process(FeatureTracker& tracker, EventSpan events) { label(tracker, events); }
   void process(PublishedClusterTracker& tracker, EventSpan events) {
-    tracker.process(events, std::span(ids_).first(events.size()));
-    for (std::size_t i = 0; i < events.size(); ++i) numbers.push_back(ids_[i]);
+    label(tracker, events);
     tracker.clusters(clusters_);
     position = clusters_.empty() ? position : std::pair{clusters_[0].x, clusters_[0].vx};
+  }
+  void process(MotionSegmenter& segmenter, EventSpan events) {
+    segmenter.process(events);
+    segmenter.objects(objects_);
+    numbers.push_back(static_cast<double>(objects_.size()));
+    for (const TrackedObject& object : objects_)
+      numbers.insert(numbers.end(), {object.x, object.vx});
+    if (const auto motion = segmenter.camera_motion()) numbers.push_back(motion->vx);
+  }
+
+  // The ids that a tracker gave, in the order in which they came.
+  Seen renamed() const {
+    Seen other = *this;
+    std::map<double, double> names{{-1, -1}};
+    for (double& id : other.numbers) {
+      id = names.try_emplace(id, static_cast<double>(names.size())).first->second;
+    }
+    return other;
   }
 
   friend bool operator==(const Seen& a, const Seen& b) {
@@ -91,11 +123,18 @@ class Seen {
     for (std::size_t i = 0; i < passed; ++i) numbers.push_back(events_[i].x + 100 * events_[i].y);
   }
 
+  template <class Tracker>
+  void label(Tracker& tracker, EventSpan events) {
+    tracker.process(events, std::span(ids_).first(events.size()));
+    for (std::size_t i = 0; i < events.size(); ++i) numbers.push_back(ids_[i]);
+  }
+
   std::vector<std::uint8_t> bytes_ = std::vector<std::uint8_t>(kEvents + 10);
   std::vector<std::int32_t> ids_ = std::vector<std::int32_t>(kEvents + 10);
   std::vector<Flow> flows_ = std::vector<Flow>(kEvents + 10);
   std::vector<Event> events_ = std::vector<Event>(kEvents + 10);
   std::vector<Cluster> clusters_ = std::vector<Cluster>(1000);
+  std::vector<TrackedObject> objects_ = std::vector<TrackedObject>(100);
 };
 
 template <class Algorithm>
@@ -113,9 +152,10 @@ class EveryAlgorithm : public testing::Test {
   Algorithm other_ = made<Algorithm>();
 };
 
-using Algorithms = testing::Types<EFast, ArcStar, EHarris, FAHarris, BackgroundActivityFilter,
-                                  HotPixelMask, EventImage, ThresholdOrdinalSurface,
-                                  SpeedInvariantTimeSurface, PlaneFlow, PublishedClusterTracker>;
+using Algorithms =
+    testing::Types<EFast, ArcStar, EHarris, FAHarris, BackgroundActivityFilter, HotPixelMask,
+                   EventImage, ImageOfAPeriod, ThresholdOrdinalSurface, SpeedInvariantTimeSurface,
+                   PlaneFlow, PublishedClusterTracker, ClusterTracker, FeatureTracker>;
 TYPED_TEST_SUITE(EveryAlgorithm, Algorithms);
 
 TYPED_TEST(EveryAlgorithm, TheStreamMayBeCutAnywhereAndResetIsANewOne) {
@@ -194,7 +234,8 @@ TYPED_TEST(EveryAlgorithm, KeepIsCheckedAndMostlyWithoutEffect) {
   const bool is_same =
       seen_by(this->algorithm_, this->events_) == seen_by(this->other_, this->events_);
   EXPECT_EQ(is_same, (!std::is_same_v<TypeParam, BackgroundActivityFilter> &&
-                      !std::is_same_v<TypeParam, EventImage>));
+                      !std::is_same_v<TypeParam, ClusterTracker> &&
+                      !std::is_base_of_v<EventImage, TypeParam>));
 }
 
 TYPED_TEST(EveryAlgorithm, MovesWithItsStateAndACopyGoesItsOwnWay) {
@@ -228,6 +269,142 @@ TYPED_TEST(EveryAlgorithm, AllocatesOnlyInTheConstructor) {
   EXPECT_EQ(test::allocations(), before);
 }
 
+// ---- silences and stamps far away --------------------------------------------------------------
+
+constexpr std::int64_t kSecond_us = 1'000'000;
+constexpr std::int64_t kMinute_us = 60 * kSecond_us;
+constexpr std::int64_t kUnix_us = 1'700'000'000'000'000;
+
+// A stream comes, then again `gap_us` after its first event began. If `ahead_us` is not 0, the last
+// event of the first time is so much too late.
+struct Journey {
+  std::int64_t start_us;
+  std::int64_t gap_us;
+  std::int64_t ahead_us = 0;
+};
+
+std::vector<Journey> journeys() {
+  std::vector<Journey> all;
+  for (const std::int64_t gap_us :
+       {10 * kSecond_us, 36 * kMinute_us, std::int64_t{1} << 32, 72 * kMinute_us, 180 * kMinute_us,
+        30 * 24 * 60 * kMinute_us, kUnix_us}) {
+    all.push_back({.start_us = 0, .gap_us = gap_us});
+  }
+  for (const int bits : {31, 32, 53}) {
+    all.push_back({.start_us = std::int64_t{1} << bits, .gap_us = 36 * kMinute_us});
+  }
+  all.push_back({.start_us = kUnix_us, .gap_us = 72 * kMinute_us});
+  all.push_back({.start_us = kUnix_us, .gap_us = -kUnix_us});  // the clock is set to 0
+  for (const std::int64_t ahead_us : {kMinute_us, 36 * kMinute_us, 180 * kMinute_us, kUnix_us}) {
+    all.push_back({.start_us = kUnix_us, .gap_us = 10 * kSecond_us, .ahead_us = ahead_us});
+  }
+  return all;
+}
+
+// Small frames, in which every pixel fires many times, and scenes for the algorithms that need one.
+template <class Algorithm>
+struct Stream {
+  int width = 16;
+  int height = 12;
+  std::vector<Event> events = test::wild_stream({.width = 16, .height = 12}, kEvents);
+};
+
+template <bool kHasGround>
+struct Scene {
+  int width = 160;
+  int height = 120;
+  std::vector<Event> events = [] {
+    MovingShapesConfig config{
+        .width = 160, .height = 120, .duration_us = 300'000, .noise_hz = 1, .seed = 7};
+    const Bounce path{.start = {30, 60}, .velocity = {250, 0}, .low = {20, 20}, .high = {140, 100}};
+    config.shapes.push_back({.radius_px = 12, .motion = {.path = path}});
+    if (kHasGround) config.ground = MovingGroundConfig{.shift_px_s = {-80, 50}};
+    MovingShapes shapes(config);
+    return read_events(shapes, std::numeric_limits<std::size_t>::max());
+  }();
+};
+template <>
+struct Stream<ClusterTracker> : Scene<false> {};
+template <>
+struct Stream<FeatureTracker> {
+  int width = kWidth;
+  int height = kHeight;
+  std::vector<Event> events = test::wild_stream({}, 2 * kEvents);
+};
+template <>
+struct Stream<MotionSegmenter> : Scene<true> {};
+
+template <class Algorithm>
+void feed(Algorithm& algorithm, Seen& seen, EventSpan events) {
+  for (; !events.empty(); events = events.subspan(std::min(kEvents, events.size()))) {
+    seen.process(algorithm, events.first(std::min(kEvents, events.size())));
+  }
+}
+
+// What is seen of the second half of the events.
+template <class Algorithm>
+Seen second_half(Algorithm& algorithm, EventSpan events) {
+  Seen memory, seen;
+  feed(algorithm, memory, events.first(events.size() / 2));
+  feed(algorithm, seen, events.subspan(events.size() / 2));
+  return seen.renamed();
+}
+
+std::vector<Event> moved(std::vector<Event> events, std::int64_t by_us) {
+  for (Event& event : events) event.t += by_us;
+  return events;
+}
+
+// What ClusterTracker knows of the noise fades slowly, and a track of FeatureTracker may live on
+// for as long as it has events: which events get an id is nearly the same, not which id.
+template <class Algorithm>
+bool is_as(const Seen& seen, const Seen& expected) {
+  constexpr bool remembers =
+      std::is_same_v<Algorithm, ClusterTracker> || std::is_same_v<Algorithm, FeatureTracker>;
+  if constexpr (!remembers) return seen == expected;
+  std::size_t differing = 0, labelled = 0;
+  for (std::size_t i = 0; i < seen.numbers.size(); ++i) {
+    differing += (seen.numbers[i] < 0) != (expected.numbers[i] < 0);
+    labelled += expected.numbers[i] >= 0;
+  }
+  return 20 * differing < labelled;
+}
+
+// As one that is new there, or as if nothing had been: both where time does not count.
+template <class Algorithm>
+void goes_on_everywhere() {
+  const Stream<Algorithm> stream;
+  const auto fresh = [&] { return made<Algorithm>(stream.width, stream.height); };
+  std::vector<Event> events = moved(stream.events, -stream.events.front().t);
+  events.back().t += 10'000 - events.back().t % 10'000;  // MotionSegmenter works in such steps
+  auto always = fresh();
+  second_half(always, events);
+  const Seen unbroken = second_half(always, moved(events, events.back().t));
+  for (const Journey& way : journeys()) {
+    auto first = moved(events, way.start_us);
+    const auto again = moved(first, way.gap_us);
+    first.back().t += way.ahead_us;
+    auto travelled = fresh();
+    auto other = fresh();
+    second_half(travelled, first);
+    const Seen seen = second_half(travelled, again);
+    const Seen as_new = second_half(other, again);
+    EXPECT_TRUE(is_as<Algorithm>(seen, as_new) || seen == unbroken)
+        << "start " << way.start_us << " gap " << way.gap_us << " ahead " << way.ahead_us;
+    const auto [least, most] = std::minmax_element(as_new.numbers.begin(), as_new.numbers.end());
+    EXPECT_LT(*least, *most) << "it finds something";
+  }
+}
+
+TYPED_TEST(EveryAlgorithm, ASilenceOrAStampFarAheadBlindsItNoLongerThanItsMemory) {
+  goes_on_everywhere<TypeParam>();
+}
+TEST(EveryAlgorithm, ASilenceOrAStampFarAheadBlindsMotionSegmenterNoLonger) {
+  goes_on_everywhere<MotionSegmenter>();
+}
+
+// ---- other promises ----------------------------------------------------------------------------
+
 template <class Algorithm, class Answer>
 void refuses_answers_of_another_size() {
   Algorithm algorithm = made<Algorithm>();
@@ -244,6 +421,8 @@ TEST(EveryAlgorithm, RefusesAnswersOfAnotherSize) {
   refuses_answers_of_another_size<FAHarris, std::uint8_t>();
   refuses_answers_of_another_size<PlaneFlow, Flow>();
   refuses_answers_of_another_size<PublishedClusterTracker, std::int32_t>();
+  refuses_answers_of_another_size<ClusterTracker, std::int32_t>();
+  refuses_answers_of_another_size<FeatureTracker, std::int32_t>();
 }
 
 template <class Filter>

@@ -62,6 +62,19 @@ TEST(ValidatorEdges, PassesInPlaceExactlyWhatIsGood) {
   }
 }
 
+TEST(ValidatorEdges, ASilenceOfAnyLengthPassesInPlace) {
+  constexpr std::int64_t kMinute_us = 60'000'000;
+  for (const std::int64_t start : {0LL, 1LL << 31, 1LL << 32, 1'700'000'000'000'000LL}) {
+    for (const std::int64_t silence : {kMinute_us / 60, 36 * kMinute_us, std::int64_t{1} << 32,
+                                       72 * kMinute_us, 180 * kMinute_us, 43'200 * kMinute_us}) {
+      Validator validator({.width = 346, .height = 260});
+      const std::int64_t after = start + silence;
+      EXPECT_TRUE(passes_in_place(validator, {{1, 2, 0, start}, {3, 4, 1, after}}));
+      EXPECT_TRUE(passes_in_place(validator, {{1, 2, 0, after + silence}}));
+    }
+  }
+}
+
 TEST(ValidatorEdges, NoSequenceOfStampsLeadsBackUnseen) {
   for (const std::int64_t far : {kMin, kMin + kNow, kMax, kMax - kNow, kMax / 2, kMin / 2}) {
     const std::int64_t limit = Validator::kMaxRawStamp_us;

@@ -1,7 +1,7 @@
 // CornerDetector: labels each event of a stream as corner or not, by one of four published rules:
 // EFast, ArcStar, EHarris and FAHarris. All rules compare only events of one polarity. One thread
-// at a time. O(1) per event; no allocation after construction. A stamp that goes back counts as the
-// latest one.
+// at a time. O(1) per event; no allocation after construction. A stamp that goes back by up to 1 s
+// counts as the latest one.
 #pragma once
 
 #include <chrono>

@@ -56,7 +56,8 @@ class EventImage {
   EventImage& operator=(EventImage&& other) noexcept;
 
   // Calls on_image(ImageView) for each image that these events complete, and returns their number.
-  // Events outside the frame are dropped and counted. Stamps that go back count as the latest one.
+  // Events outside the frame are dropped and counted. A stamp that goes back by at most a second
+  // counts as the latest one; a larger step back ends an image by period.
   template <class OnImage>
   std::size_t process(EventSpan events, OnImage&& on_image) {
     std::size_t complete = 0;

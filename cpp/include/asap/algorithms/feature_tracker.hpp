@@ -5,7 +5,7 @@
 // there; where there is none it begins a track. Tracks of which no event is remembered end with the
 // next supported event. One thread at a time. process() is O(1) per event, whatever the number of
 // tracks, and allocates nothing; all memory is taken in the constructor. A stamp that goes back
-// counts as the latest one.
+// by up to 1 s counts as the latest one.
 // Source: the authors' release of the GRVC event feature tracker (grvc_ef_tracker), which the ASAP
 // papers use, with its launch values; the window's time, ids and velocities are ours.
 #pragma once

@@ -37,7 +37,7 @@ Engine::Engine(const ClusterTrackerConfig& config)
       halves_(map_),
       objects_(static_cast<std::size_t>(config.slots)),
       reciprocals_(kCovarianceEvents) {
-  clear_maps();
+  forget();
 }
 
 void Engine::reset() noexcept {
@@ -45,14 +45,8 @@ void Engine::reset() noexcept {
   gamma_ = {};
   filtered_upstream_ = false;
   clock_ = {};
-  clear_maps();
-  noise_.clear();
-  coarse_.clear();
-  tracks_.clear();
-  objects_.clear();
-  has_confirmed_ = false;
+  forget();
   counters_ = {};
-  noise_hz_ = 0;
   next_id_ = 0;
 }
 
@@ -63,16 +57,24 @@ void Engine::set_gamma(double gamma, bool filtered_upstream) noexcept {
   settings_.set_gamma(config_, gamma_.value(), filtered_upstream);
 }
 
-void Engine::clear_maps() noexcept {
+// All that events have left, but for the ids.
+void Engine::forget() noexcept {
   support_.clear(clock_.now());
   owners_.clear(clock_.now());
   births_.clear(clock_.now());
+  noise_.clear();
+  coarse_.clear();
+  tracks_.clear();
+  objects_.clear();
+  has_confirmed_ = false;
+  next_split_ = 0;
+  noise_hz_ = 0;
 }
 
 void Engine::start() noexcept {
-  started_us_ = tracks_us_ = pairs_us_ = noise_us_ = objects_us_ = clock_.now_us();
-  next_tick_ = clock_.now() + static_cast<Stamp>(kTick_us);
+  started_us_ = ticked_us_ = tracks_us_ = pairs_us_ = noise_us_ = objects_us_ = clock_.now_us();
   tracks_are_due_ = true;
+  settings_.update.far_weight = far_weight(noise_hz_);
   birth_threshold_ = kNever;
   widest_radius_px_ = settings_.gate.birth_radius_px;
   support_window_us_ = settings_.support_window_us;
@@ -101,7 +103,7 @@ std::int32_t Engine::process(const Event& event) noexcept {
   if (first) [[unlikely]]
     start();
   const Stamp now = clock_.now();
-  if (age_us(now, next_tick_) >= 0) [[unlikely]]
+  if (clock_.now_us() - ticked_us_ >= kTick_us) [[unlikely]]
     tick();
 
   bool may_begin = true;
@@ -214,31 +216,28 @@ Tracks::Slot Engine::begin_track(float x, float y) noexcept {
 void Engine::advance_to(std::int64_t t_us) noexcept {
   if (!clock_.started()) return;
   clock_.advance_to(t_us);
-  if (age_us(clock_.now(), next_tick_) >= 0 ||
-      clock_.now_us() - std::max(tracks_us_, pairs_us_) > kSilence_us) {
-    tick();
-  }
+  if (clock_.now_us() - ticked_us_ >= kTick_us) tick();
 }
 
-// Does half of the work, or all of it after a missed tick.
+// Does half of the work, all of it after a missed tick, or begins anew after a long silence.
 void Engine::tick() noexcept {
-  const std::uint64_t since_us = clock_.now_us() - std::max(tracks_us_, pairs_us_);
-  const bool late = 2 * since_us > 5 * static_cast<std::uint64_t>(kTick_us);
+  const std::uint64_t since_us = clock_.now_us() - ticked_us_;
+  if (since_us > kSilence_us) {
+    forget();
+    return start();
+  }
+  const bool late = 2 * since_us > 5 * kTick_us;
   if (late || tracks_are_due_) update_tracks();
   if (late || !tracks_are_due_) update_pairs_and_noise();
   update_objects();
   tracks_are_due_ = !tracks_are_due_;
-  next_tick_ = clock_.now() + static_cast<Stamp>(kTick_us);
+  ticked_us_ = clock_.now_us();
 }
 
 void Engine::update_tracks() noexcept {
   const std::uint64_t elapsed_us = clock_.now_us() - tracks_us_;
   tracks_us_ = clock_.now_us();
   const auto& active = tracks_.active();
-  if (elapsed_us > kSilence_us) {
-    while (!active.empty()) remove(active.back());
-    return;
-  }
   const Tick tick(clock_.now(), seconds(elapsed_us), noise_hz_);
   for (std::size_t i = 0; i < active.size();) {
     const Slot slot = active[i];

@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "algorithms/event_clock.hpp"
 #include "algorithms/fast/association.hpp"
 #include "algorithms/fast/lifecycle.hpp"
 #include "algorithms/fast/noise.hpp"
@@ -86,7 +87,7 @@ class Engine {
   Slot begin_track(float x, float y) noexcept;
 
   // ---- per tick ----
-  void clear_maps() noexcept;
+  void forget() noexcept;
   void start() noexcept;
   void tick() noexcept;
   void update_tracks() noexcept;
@@ -123,7 +124,7 @@ class Engine {
   Reciprocals reciprocals_;
   DirectionTable directions_;
   Counters counters_;
-  Stamp next_tick_ = 0;
+  std::uint64_t ticked_us_ = 0;
   bool tracks_are_due_ = true;  // the next tick updates tracks, else noise and pairs
   std::uint64_t started_us_ = 0;
   bool has_confirmed_ = false;  // a track, since the objects were updated

@@ -1,15 +1,13 @@
 // Time in the fast tracker. Stamp: event time modulo 2^32 us, four bytes in the maps; only
 // differences have a meaning. Scrubber: visits every entry of a map once per 2^29 us, so that an
-// entry older than kLongAgo_us is set back to that age and never comes near 2^31 us. EventClock:
-// the tracker's time, which never goes back. decay() and logarithm(): from + - * / alone, for the
-// same bits on every platform. One thread. O(1), but for Scrubber, which visits as many entries as
-// the elapsed time asks for. No allocation.
+// entry older than kLongAgo_us is set back to that age and never comes near 2^31 us. decay() and
+// logarithm(): from + - * / alone, for the same bits on every platform. One thread. O(1), but for
+// Scrubber, which visits as many entries as the elapsed time asks for. No allocation.
 #pragma once
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 
 namespace asap::fast {
 
@@ -31,7 +29,7 @@ constexpr float age_s(Stamp now, Stamp then) noexcept {
 
 constexpr float seconds(std::uint64_t us) noexcept { return 1e-6F * static_cast<float>(us); }
 
-// Silence after which all tracks are deleted, whatever the parameters: stamps become ambiguous.
+// Silence after which the tracker begins anew, whatever the parameters: stamps become ambiguous.
 inline constexpr std::uint64_t kSilence_us = std::uint64_t{1} << 28;
 
 constexpr Stamp long_before(Stamp now) noexcept { return now - static_cast<Stamp>(kLongAgo_us); }
@@ -70,56 +68,6 @@ void scrub(Entry* entries, std::size_t count, Stamp now, StampOf&& stamp_of) noe
     if (age_us(now, stamp) > kLongAgo_us) stamp = long_before(now);
   }
 }
-
-// ---- the clock ----
-
-// A timestamp that goes back by at most a second counts as the latest one. A larger step back
-// begins a new epoch (the sensor was reset or its counter wrapped): time stands still for that
-// event and goes on from there. Any int64 is a valid timestamp.
-class EventClock {
- public:
-  static constexpr std::uint64_t kBackStep_us = 1'000'000;
-  // The time of the first event: a second before Stamp wraps, so that every run sees it wrap.
-  static constexpr std::uint64_t kOrigin_us = (std::uint64_t{1} << 32) - 1'000'000;
-
-  void advance(std::int64_t t_us) noexcept {
-    if (t_us >= latest_us_) [[likely]] {
-      if (started_) now_us_ += distance(latest_us_, t_us);
-    } else if (started_ && distance(t_us, latest_us_) <= kBackStep_us) {
-      return;
-    }
-    started_ = true;
-    latest_us_ = t_us;
-  }
-
-  // Advances without an event. A time of the past is ignored.
-  void advance_to(std::int64_t t_us) noexcept {
-    if (t_us > latest_us_) advance(t_us);
-  }
-
-  // us; only differences have a meaning.
-  std::uint64_t now_us() const noexcept { return now_us_; }
-  Stamp now() const noexcept { return static_cast<Stamp>(now_us_); }
-  bool started() const noexcept { return started_; }
-
-  // The latest timestamp.
-  std::int64_t latest_us() const noexcept { return latest_us_; }
-  // The timestamp of what is age_us old, negative for the future; clamped to int64.
-  std::int64_t stamp_us(std::int32_t age_us) const noexcept {
-    using Stamps = std::numeric_limits<std::int64_t>;
-    if (age_us < 0) return std::min(latest_us_, Stamps::max() + age_us) - age_us;
-    return std::max(latest_us_, Stamps::min() + age_us) - age_us;
-  }
-
- private:
-  static std::uint64_t distance(std::int64_t earlier, std::int64_t later) noexcept {
-    return static_cast<std::uint64_t>(later) - static_cast<std::uint64_t>(earlier);
-  }
-
-  bool started_ = false;
-  std::int64_t latest_us_ = 0;
-  std::uint64_t now_us_ = kOrigin_us;
-};
 
 // ---- exponential decay ----
 

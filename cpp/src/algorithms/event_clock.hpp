@@ -1,0 +1,70 @@
+// EventClock: the time of an algorithm, which never goes back. A stamp that goes back by at most a
+// second counts as the latest one. A larger step back begins a new epoch (the sensor was reset, its
+// counter wrapped, or one stamp was far ahead): time stands still for that event and goes on from
+// there. Any int64 is a valid stamp. One thread. O(1), no allocation.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+
+namespace asap {
+
+// later - earlier, without overflow.
+constexpr std::uint64_t distance_us(std::int64_t earlier, std::int64_t later) noexcept {
+  return static_cast<std::uint64_t>(later) - static_cast<std::uint64_t>(earlier);
+}
+
+// Precondition: the stamp is not after the latest one.
+constexpr bool begins_epoch(std::int64_t latest_us, std::int64_t stamp_us) noexcept {
+  constexpr std::uint64_t kBackStep_us = 1'000'000;
+  return distance_us(stamp_us, latest_us) > kBackStep_us;
+}
+
+class EventClock {
+ public:
+  // The time of the first event: a second before 32 bits wrap, so that every run sees them wrap.
+  static constexpr std::uint64_t kOrigin_us = (std::uint64_t{1} << 32) - 1'000'000;
+  // A longer step counts as 11.6 days, so that no hostile stream overflows the time.
+  static constexpr std::uint64_t kLongestStep_us = 1'000'000'000'000;
+
+  // True: the stamp begins a new epoch.
+  bool advance(std::int64_t t_us) noexcept {
+    const bool goes_back = t_us < latest_us_;
+    if (!goes_back) [[likely]] {
+      if (started_) now_us_ += std::min(distance_us(latest_us_, t_us), kLongestStep_us);
+    } else if (started_ && !begins_epoch(latest_us_, t_us)) {
+      return false;
+    }
+    const bool new_epoch = goes_back && started_;
+    started_ = true;
+    latest_us_ = t_us;
+    return new_epoch;
+  }
+
+  // Advances without an event. A time of the past is ignored.
+  void advance_to(std::int64_t t_us) noexcept {
+    if (t_us > latest_us_) advance(t_us);
+  }
+
+  // us; only differences have a meaning.
+  std::uint64_t now_us() const noexcept { return now_us_; }
+  std::uint32_t now() const noexcept { return static_cast<std::uint32_t>(now_us_); }
+  bool started() const noexcept { return started_; }
+
+  // The latest stamp.
+  std::int64_t latest_us() const noexcept { return latest_us_; }
+  // The stamp of what is age_us old, negative for the future; clamped to int64.
+  std::int64_t stamp_us(std::int64_t age_us) const noexcept {
+    using Stamps = std::numeric_limits<std::int64_t>;
+    if (age_us < 0) return std::min(latest_us_, Stamps::max() + age_us) - age_us;
+    return std::max(latest_us_, Stamps::min() + age_us) - age_us;
+  }
+
+ private:
+  bool started_ = false;
+  std::int64_t latest_us_ = 0;
+  std::uint64_t now_us_ = kOrigin_us;
+};
+
+}  // namespace asap
