@@ -39,9 +39,7 @@ struct Aedat2 {
   }
   std::size_t take(std::uint64_t word, Event* to, Output& out) noexcept {
     const auto address = static_cast<std::uint32_t>(word >> 32);
-    // The 32 bits wrap: the shorter way from the last time is the right one.
-    const auto step = static_cast<std::uint32_t>(word) - static_cast<std::uint32_t>(t);
-    t += static_cast<std::int32_t>(step);
+    t = unwrapped(t, static_cast<std::uint32_t>(word), std::int64_t{1} << 32);
     if (is_trigger(word)) {
       ++triggers;
       out.take({.t = t, .id = 0, .value = 1});

@@ -93,12 +93,9 @@ std::size_t DatDecoder::decode_version(const std::byte* first, std::size_t count
                                        Output& out) noexcept {
   const std::size_t end = std::min(count, out.room());
   Event* event = out.event;
-  std::int64_t epoch = t_ & -kDatRange, last = t_ - epoch;
+  std::int64_t t = t_;
   for (std::size_t i = 0; i < end; ++i) {
-    const std::int64_t low = load_little<std::uint32_t>(first + i * kDatEvent);
-    if (last - low > kDatRange / 2) epoch += kDatRange;
-    last = low;
-    const std::int64_t t = epoch + low;
+    t = unwrapped(t, load_little<std::uint32_t>(first + i * kDatEvent), kDatRange);
     const std::uint64_t address = dat_address(first, i);
     if constexpr (kVersion == 1) {
       write_event(event++, address & 0x1ff, address >> 9 & 0xff, address >> 17 & 1, t);
@@ -107,7 +104,7 @@ std::size_t DatDecoder::decode_version(const std::byte* first, std::size_t count
     }
   }
   out.event = event;
-  t_ = epoch + last;
+  t_ = t;
   return end;
 }
 

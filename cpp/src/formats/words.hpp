@@ -58,11 +58,13 @@ inline void write_event(Event* out, std::uint64_t x, std::uint64_t y, std::uint6
   }
 }
 
-// The time in us whose lower bits are `low`: in the epoch of `last`, or in the next one where it
-// would fall by more than half of `range`, a power of two.
+// The time in us whose lower bits are `low`: in the epoch of `last`, in the next one where it would
+// fall by more than half of `range`, a power of two, or in the one before where it would rise by
+// nearly all of it: a small step back over the wrap.
 inline std::int64_t unwrapped(std::int64_t last, std::int64_t low, std::int64_t range) noexcept {
   const std::int64_t t = (last & -range) | low;
-  return last - t > range / 2 ? t + range : t;
+  if (last - t > range / 2) return t + range;
+  return t - last > range - range / 1024 && last >= range ? t - range : t;
 }
 
 // Where a decoder writes to. Events beyond `event` are scratch until decode() returns.

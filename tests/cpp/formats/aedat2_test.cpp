@@ -127,6 +127,17 @@ TEST(Aedat2Decoder, FollowsTheClockThroughItsWrap) {
   for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(events.at(i).t, times[i]) << i;
 }
 
+TEST(Aedat2Decoder, GoesOnAfterASilenceOfMoreThanHalfTheWrap) {
+  constexpr std::uint32_t kMinute_us = 60'000'000;
+  Bytes bytes;
+  for (const std::uint32_t t : {5u, 36 * kMinute_us, 71 * kMinute_us}) {
+    append_record(bytes, davis(1, 2, 1), t);
+  }
+  const Events events = events_of(Aedat2Decoder(kDavis346), bytes);
+  EXPECT_EQ(events.at(1).t, 36 * std::int64_t{kMinute_us});
+  EXPECT_EQ(events.at(2).t, 71 * std::int64_t{kMinute_us});
+}
+
 TEST(Aedat2Decoder, AddressesBeyondTheSensorStayBeyondIt) {
   Bytes bytes;
   append_record(bytes, davis(1023, 511, 1), 10);

@@ -44,12 +44,13 @@ TEST(DatDecoder, DecodesVersion1) {
 TEST(DatDecoder, TimesUnwrapAndSmallStepsBackStay) {
   const Decoded decoded =
       decode(DatDecoder{}, bytes_of(Words{0xffffffff, 0, 0xfffffff0, 0, 3, 0, 2, 0, 0x80000000, 0,
-                                          0xffffffff, 0, 0, 0}));
+                                          0xffffffff, 0, 0, 0, 0xfffffffe, 0, 1, 0}));
   const std::int64_t range = std::int64_t{1} << 32;
   std::vector<std::int64_t> times;
   for (const Event& event : decoded.events) times.push_back(event.t);
   EXPECT_EQ(times, (std::vector<std::int64_t>{range - 1, range - 16, range + 3, range + 2,
-                                              range + range / 2, 2 * range - 1, 2 * range}));
+                                              range + range / 2, 2 * range - 1, 2 * range,
+                                              2 * range - 2, 2 * range + 1}));
 }
 
 TEST(DatDecoder, RefusesAnotherVersion) {

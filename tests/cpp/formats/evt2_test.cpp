@@ -32,13 +32,14 @@ TEST(Evt2Decoder, DecodesEveryField) {
 TEST(Evt2Decoder, SmallFallOfTimeHighGoesBackAndALargeOneUnwraps) {
   const Decoded decoded =
       decode_words({high(0xfffffff), cd(1, 0, 0, 0), high(0xffffffe), cd(1, 0, 0, 0), high(0),
-                    cd(1, 0, 0, 0), high(1), cd(1, 0, 0, 0)});
+                    cd(1, 0, 0, 0), high(1), cd(1, 0, 0, 0), high(0xfffffff), cd(1, 0, 0, 0)});
   const std::int64_t range = std::int64_t{1} << 34;
-  ASSERT_EQ(decoded.events.size(), 4u);
+  ASSERT_EQ(decoded.events.size(), 5u);
   EXPECT_EQ(decoded.events[0].t, range - 64);
   EXPECT_EQ(decoded.events[1].t, range - 128);
   EXPECT_EQ(decoded.events[2].t, range);
   EXPECT_EQ(decoded.events[3].t, range + 64);
+  EXPECT_EQ(decoded.events[4].t, range - 64);
 }
 
 TEST(Evt2Decoder, DropsEventsBeforeTheFirstTimeHighAndCountsThem) {

@@ -69,10 +69,7 @@ class Aedat2Decoder : public NativeDecoder<Aedat2Decoder, Aedat2Config, 8> {
 
   std::size_t decode_bytes(std::span<const std::byte> bytes, Output& out) noexcept;
 
-  // The shorter way from here to any first time of 32 bits makes it one without a sign.
-  static constexpr std::int64_t kBeforeFirst = std::int64_t{1} << 31;
-
-  std::int64_t t_ = kBeforeFirst;  // us, of the last record
+  std::int64_t t_ = 0;  // us, of the last record, unwrapped
 };
 
 // ---- AEDAT 3.1 ---------------------------------------------------------------------------------
