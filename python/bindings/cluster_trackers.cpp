@@ -1,5 +1,7 @@
 // The layer `algorithms`: ClusterTracker and PublishedClusterTracker.
+#include <algorithm>
 #include <cstdint>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -84,9 +86,15 @@ py::object row_of(const ClusterOutline& outline) {
   return moved_to_array(std::vector{outline})[py::int_(0)];
 }
 
-[[noreturn]] void throw_no_key(std::int64_t id) {
-  PyErr_SetObject(PyExc_KeyError, py::int_(id).ptr());
-  throw py::error_already_set();
+[[noreturn]] void throw_no_key(const PublishedClusterTracker&, std::int64_t id) {
+  throw py::key_error("id = " + std::to_string(id) + ": no cluster has it. See `clusters`.");
+}
+
+[[noreturn]] void throw_no_key(const ClusterTracker& tracker, std::int64_t id) {
+  const bool is_cluster = std::ranges::count(tracker.clusters(), id, &Cluster::id) > 0;
+  throw py::key_error("id = " + std::to_string(id) +
+                      (is_cluster ? ": a cluster, no object" : ": no object has it") +
+                      ". Take an id of `objects`; `to_objects` finds a cluster's.");
 }
 
 py::object outline_of_moments(double x, double y, double cxx, double cxy, double cyy) {
@@ -101,8 +109,15 @@ py::object outline_of_moments(double x, double y, double cxx, double cxy, double
 
 py::array members(const ClusterTracker& tracker, std::int64_t id) {
   auto found = tracker.members(id);
-  if (found.empty()) throw_no_key(id);
+  if (found.empty()) throw_no_key(tracker, id);
   return moved_to_array(std::move(found));
+}
+
+py::array_t<std::int32_t> to_objects(const ClusterTracker& tracker,
+                                     const py::array_t<std::int32_t, 0>& labels) {
+  py::array_t<std::int32_t> made(labels.attr("copy")());
+  tracker.to_objects({made.mutable_data(), static_cast<std::size_t>(made.size())});
+  return made;
 }
 
 // What both have.
@@ -135,7 +150,7 @@ $not_events
           "outline",
           [](const Tracker& self, std::int64_t id) {
             const auto found = self.outline(id);
-            if (!found) throw_no_key(id);
+            if (!found) throw_no_key(self, id);
             return row_of(*found);
           },
           py::arg("id").noconvert(), documented(outline).c_str());
@@ -179,8 +194,9 @@ $outline
 An object is a cluster, or several that are parts of one thing; noise that is denser in one place and
 a flickering light are clusters and no objects. Grouped every 5 ms of event time.
 
-id : int64, never changes; an object that has stopped or is hidden is left out, and has its id again
-    when it is back where it must be within half a second
+id : int64, never changes: that of the cluster that founded it, or one that no cluster has; an object that
+    has stopped or is hidden is left out, and has its id again when it is back where it must be within half
+    a second
 x, y : float64, px, of its heaviest cluster, predicted for the latest time
 vx, vy : float64, px/s, of the same
 left, top, width, height : float64, px, the box of its clusters, 1.75 standard deviations to each side
@@ -213,6 +229,19 @@ Raises
 ------
 KeyError
     `objects` has no such id.
+)")
+      .def("to_objects", &to_objects, py::arg("labels").noconvert(),
+           R"(Turns labels of clusters, as `process` returns them, into those of objects.
+
+Parameters
+----------
+labels : ndarray of int32
+    Ids of clusters, or -1.
+
+Returns
+-------
+ndarray of int32, same shape
+    The id of the object whose part each cluster is now; -1: of none, or it has ended.
 )")
       .def("advance_to", &ClusterTracker::advance_to, py::arg("t_us").noconvert(),
            R"(Time has come to t_us, us, without events: clusters starve, coast and die.

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from asap import EVENT_DTYPE, ClusterTracker, PublishedClusterTracker
+from asap import EVENT_DTYPE, ClusterTracker, PublishedClusterTracker, synthetic
 
 WIDTH, HEIGHT = 346, 260
 FIELDS = ["id", "x", "y", "vx", "vy", "cxx", "cxy", "cyy", "size", "t_last", "pxx", "pxy", "pyy"]
@@ -72,9 +72,30 @@ def test_an_id_that_is_gone_is_a_key_error() -> None:
     (id,) = tracker.objects["id"]
     tracker.advance_to(1_000_000)
     for ask in (tracker.members, tracker.outline):
-        with pytest.raises(KeyError) as raised:
+        with pytest.raises(KeyError, match=f"id = {id}: no object"):
             ask(id)
-        assert raised.value.args == (id,)
+
+
+def test_an_id_names_one_thing() -> None:
+    scene = synthetic.FlightOverChairs(duration_s=2, seed=0)
+    events = scene.events()
+    tracker = ClusterTracker(scene.width, scene.height)
+    founded = others = refused = 0
+    for start in range(0, len(events), 5_000):
+        labels = tracker.process(events[start : start + 5_000])
+        objects, clusters = tracker.objects["id"], tracker.clusters["id"]
+        for id in objects:
+            members = tracker.members(id)
+            founded += id in members
+            others += id not in members and id in clusters
+            assert set(tracker.to_objects(members.astype(np.int32))) == {id}
+        for id in np.setdiff1d(clusters, objects):
+            refused += 1
+            for ask in (tracker.members, tracker.outline):
+                with pytest.raises(KeyError, match=f"id = {id}: a cluster, no object"):
+                    ask(id)
+        assert set(tracker.to_objects(labels)) >= set(objects) & set(labels)
+    assert (founded > 1_000, others, refused > 100) == (True, 0, True)
 
 
 Kind = type[ClusterTracker] | type[PublishedClusterTracker]

@@ -125,6 +125,10 @@ void ClusterTracker::objects_at(std::int64_t t_us, std::vector<TrackedObject>& o
   impl_->engine.read(t_us, objects);
 }
 
+void ClusterTracker::to_objects(std::span<std::int32_t> labels) const noexcept {
+  for (std::int32_t& label : labels) label = impl_->engine.object_of(label);
+}
+
 std::vector<std::int64_t> ClusterTracker::members(std::int64_t id) const {
   std::vector<std::int64_t> ids;
   for (const Cluster& part : impl_->parts(id)) ids.push_back(part.id);

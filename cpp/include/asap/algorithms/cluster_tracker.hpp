@@ -120,13 +120,18 @@ class ClusterTracker {
   // The objects at the latest time: one cluster or several that are parts of one thing, at the
   // position of the heaviest, with the box of all. Sorted by id, positions predicted for that time.
   // An object that has stopped or is occluded is not listed, but keeps its id for half a second. A
-  // patch of noise and a flickering light are clusters and no objects.
+  // patch of noise and a flickering light are clusters and no objects. An object has the id of the
+  // cluster that founded it, or one that no cluster has.
   std::vector<TrackedObject> objects() const;
   void objects(std::vector<TrackedObject>& objects) const;
 
   // As clusters_at().
   std::vector<TrackedObject> objects_at(std::int64_t t_us) const;
   void objects_at(std::int64_t t_us, std::vector<TrackedObject>& objects) const;
+
+  // Makes labels of clusters those of the objects whose parts the clusters are now: -1 for a
+  // cluster that is no part of an object or has ended.
+  void to_objects(std::span<std::int32_t> labels) const noexcept;
 
   // The ids of the clusters that are parts of the object with this id; the first is the heaviest,
   // whose position is the object's. Empty: `objects` does not list it.

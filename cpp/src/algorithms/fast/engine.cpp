@@ -293,7 +293,7 @@ void Engine::confirm(Slot slot) noexcept {
 void Engine::update_objects() noexcept {
   constexpr std::uint64_t kPeriod_us = 5'000;
   if (!has_confirmed_ && clock_.now_us() - objects_us_ < kPeriod_us) return;
-  objects_.update(tracks_, noise_, clock_.now_us());
+  objects_.update(tracks_, noise_, clock_.now_us(), next_id_);
   objects_us_ = clock_.now_us();
   has_confirmed_ = false;
 }

@@ -59,6 +59,9 @@ class Engine {
   // no such object is shown.
   void read_parts(std::int64_t object, std::vector<Cluster>& clusters) const;
 
+  // The id of the shown object whose part the cluster with this id is, or kNoId.
+  std::int32_t object_of(std::int32_t cluster) const noexcept;
+
   // The latest timestamp.
   std::int64_t latest_us() const noexcept { return clock_.latest_us(); }
 

@@ -78,7 +78,7 @@ void Objects::clear() noexcept {
   std::fill(parts_.begin(), parts_.end(), Part{});
   std::fill(objects_.begin(), objects_.end(), Object{});
   now_us_ = 0;
-  next_id_ = 0;
+  begun_ = 0;
 }
 
 std::size_t Objects::object_of(Slot slot, const Track& track) const noexcept {
@@ -88,7 +88,9 @@ std::size_t Objects::object_of(Slot slot, const Track& track) const noexcept {
   return object;
 }
 
-void Objects::update(const Tracks& tracks, const NoiseTiles& noise, std::uint64_t now_us) noexcept {
+void Objects::update(const Tracks& tracks, const NoiseTiles& noise, std::uint64_t now_us,
+                     std::int32_t& next_id) noexcept {
+  next_id_ = &next_id;
   const float dt_s = seconds_between(now_us_, now_us);
   now_us_ = now_us;
   forget_old();
@@ -132,7 +134,7 @@ void Objects::place_new(const Tracks& tracks) noexcept {
   for (const Slot slot : listed_) {
     if (parts_[slot].object != kNone) continue;
     const std::size_t lost = find_lost(predicted_mean(tracks[slot], static_cast<Stamp>(now_us_)));
-    const std::size_t object = lost != kNone ? lost : begin();
+    const std::size_t object = lost != kNone ? lost : begin(id_of(std::span(&slot, 1), tracks));
     parts_[slot].object = object;
     objects_[object].sum.parts = 1;  // it is lost no longer
     any = true;
@@ -176,7 +178,15 @@ std::size_t Objects::find_lost(const Point& place) const noexcept {
   return best;
 }
 
-std::size_t Objects::begin() noexcept {
+// The id of the first of these tracks that has founded no object.
+std::int64_t Objects::id_of(std::span<const Slot> founders, const Tracks& tracks) noexcept {
+  for (const Slot slot : founders) {
+    if (!std::exchange(parts_[slot].has_founded, true)) return tracks[slot].id;
+  }
+  return (*next_id_)++;
+}
+
+std::size_t Objects::begin(std::int64_t id) noexcept {
   std::size_t chosen = kNone;
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     if (objects_[i].id < 0) {
@@ -187,7 +197,7 @@ std::size_t Objects::begin() noexcept {
     if (chosen == kNone || objects_[i].seen_us < objects_[chosen].seen_us) chosen = i;
   }
   forget(chosen);
-  objects_[chosen] = {.id = next_id_++, .born_us = now_us_, .seen_us = now_us_};
+  objects_[chosen] = {.id = id, .order = begun_++, .born_us = now_us_, .seen_us = now_us_};
   return chosen;
 }
 
@@ -218,7 +228,7 @@ void Objects::adopt(const Tracks& tracks) noexcept {
     const std::size_t parent = find_parent(tracks, i);
     if (parent == kNone) continue;
     for (const Slot slot : listed_) {
-      if (parts_[slot].object == i) parts_[slot] = {parts_[slot].generation, parent};
+      if (parts_[slot].object == i) parts_[slot].move_to(parent);
     }
     forget(i);
     add_up(tracks);
@@ -279,9 +289,9 @@ bool Objects::divide(const Tracks& tracks, std::size_t object, float dt_s) noexc
       leaves = leaves && parts_[slot].apart_s >= kApart_s;
     }
     if (!leaves) continue;
-    const std::size_t own = begin();
+    const std::size_t own = begin(id_of(component, tracks));
     objects_[own].has_left = any = true;
-    for (const Slot slot : component) parts_[slot] = {parts_[slot].generation, own};
+    for (const Slot slot : component) parts_[slot].move_to(own);
   }
   return any;
 }
@@ -380,7 +390,7 @@ void Objects::inherit() noexcept {
 void Objects::find_bond(const Tracks& tracks, std::size_t object) noexcept {
   std::size_t best = kNone;
   const auto is_better = [&](std::size_t whole) {
-    return objects_[whole].id < objects_[object].id &&
+    return objects_[whole].order < objects_[object].order &&
            (best == kNone || objects_[whole].sum.mass > objects_[best].sum.mass);
   };
   std::size_t next = kNone;

@@ -1,18 +1,19 @@
-// Objects: one id per thing, over the tracks of the engine. A thing is several tracks where parts
-// of it fire apart, and a patch of noise may be a track, so the tracks are grouped every 5 ms.
-// LOST: a new track continues the object that must have reappeared there, else it begins one.
-// ADOPT: what begins at a large object is a part of it. LEAVE: parts that stay apart from the
-// others become an object of their own. JOIN: objects that touch and move as one for long, or begin
-// together, are one until they do not move as one. NOISE: an object is shown once its tracks fire
-// more than the noise around them explains. QUIET: an object without events is not shown. The layer
-// reads the engine and changes nothing in it. One thread, at the tick. O(n^2) of cheap steps in n
-// tracks; allocates in the constructor only. Source: own design.
+// Objects: one id per thing, that of the track that founded it, over the tracks of the engine. A
+// thing is several tracks where parts of it fire apart, and a patch of noise may be a track, so the
+// tracks are grouped every 5 ms. LOST: a new track continues the object that must have reappeared
+// there, else it begins one. ADOPT: what begins at a large object is a part of it. LEAVE: parts
+// that stay apart from the others become an object of their own. JOIN: objects that touch and move
+// as one for long, or begin together, are one until they do not move as one. NOISE: an object is
+// shown once its tracks fire more than the noise around them explains. QUIET: an object without
+// events is not shown. The layer reads the engine and changes nothing in it. One thread, at the
+// tick. O(n^2) of cheap steps in n tracks; allocates in the constructor only. Source: own design.
 #pragma once
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "algorithms/fast/lifecycle.hpp"
@@ -64,8 +65,10 @@ class Objects {
 
   explicit Objects(std::size_t slots);
 
-  // Groups the listed tracks, if 5 ms have passed since the last time.
-  void update(const Tracks& tracks, const NoiseTiles& noise, std::uint64_t now_us) noexcept;
+  // Groups the listed tracks, if 5 ms have passed since the last time. `next_id`: of the tracks; an
+  // object takes it whose tracks have all given theirs to others.
+  void update(const Tracks& tracks, const NoiseTiles& noise, std::uint64_t now_us,
+              std::int32_t& next_id) noexcept;
 
   void clear() noexcept;
 
@@ -85,6 +88,12 @@ class Objects {
     std::uint16_t generation = 0;  // the track's
     std::size_t object = kNone;
     float apart_s = 0;  // time for which it has not touched the heaviest component
+    bool has_founded = false;
+
+    void move_to(std::size_t other) noexcept {
+      object = other;
+      apart_s = 0;
+    }
   };
 
   // Where its heaviest part was while it had enough events, and where it went.
@@ -108,7 +117,8 @@ class Objects {
   };
 
   struct Object {
-    std::int64_t id = -1;  // none: free
+    std::int64_t id = -1;     // none: free
+    std::uint64_t order = 0;  // number of its beginning
     std::uint64_t born_us = 0;
     std::uint64_t seen_us = 0;  // when it had parts last
     bool has_left = false;      // another object, whose part it was
@@ -124,7 +134,8 @@ class Objects {
   void note_ways(const Tracks& tracks) noexcept;
   void place_new(const Tracks& tracks) noexcept;
   std::size_t find_lost(const Point& place) const noexcept;
-  std::size_t begin() noexcept;
+  std::size_t begin(std::int64_t id) noexcept;
+  std::int64_t id_of(std::span<const Slot> founders, const Tracks& tracks) noexcept;
   void forget(std::size_t object) noexcept;
   void forget_old() noexcept;
   void adopt(const Tracks& tracks) noexcept;
@@ -152,7 +163,8 @@ class Objects {
   std::vector<Slot> listed_;
   std::vector<Slot> component_;  // the parts of one object, component by component
   std::uint64_t now_us_ = 0;
-  std::int64_t next_id_ = 0;
+  std::uint64_t begun_ = 0;
+  std::int32_t* next_id_ = nullptr;  // during update()
 };
 
 }  // namespace asap::fast

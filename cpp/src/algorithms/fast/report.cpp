@@ -121,6 +121,18 @@ ObjectSum Engine::sum_of(std::size_t object, const EventClock& clock) const {
   return sum;
 }
 
+std::int32_t Engine::object_of(std::int32_t cluster) const noexcept {
+  if (cluster == kNoId) return kNoId;
+  for (const Slot slot : tracks_.active()) {
+    const Track& track = tracks_[slot];
+    if (!track.has_id() || track.id != cluster) continue;
+    const std::size_t object = objects_.object_of(slot, track);
+    const bool is_part = object != Objects::kNone && objects_.is_shown(object);
+    return is_part ? static_cast<std::int32_t>(objects_.id(object)) : kNoId;
+  }
+  return kNoId;
+}
+
 void Engine::read_parts(std::int64_t id, std::vector<Cluster>& clusters) const {
   clusters.clear();
   for (std::size_t i = 0; i < objects_.size(); ++i) {
