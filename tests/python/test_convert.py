@@ -61,6 +61,15 @@ def test_it_is_read_back(tmp_path: Path, to: str, events: Events) -> None:
     assert list(tmp_path.iterdir()) == [path]
 
 
+@pytest.mark.parametrize("to", WRITERS)
+def test_stamps_of_whole_ms_are_read_back_without_a_question(tmp_path: Path, to: str) -> None:
+    events = EVENTS.copy()
+    events["t"] = np.arange(len(events)) * 1000
+    path = tmp_path / f"whole.{'h5' if to == 'dsec' else to}"
+    asap.convert(events, path, to=to, **SENSOR)
+    assert np.array_equal(asap.load(path), events)
+
+
 @pytest.mark.parametrize(("to", "name"), [("es", "Event Stream"), ("aedat4", "AEDAT 4")])
 def test_some_formats_need_the_sensor(tmp_path: Path, to: str, name: str) -> None:
     with pytest.raises(ValueError, match=f"width = None: {name} states its sensor; give width"):

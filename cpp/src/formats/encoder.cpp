@@ -171,7 +171,7 @@ std::string Encoder::header() const {
       return bytes;
     }
     case Encoding::csv:
-      return "t,x,y,p\n";
+      return "t [us],x,y,p\n";
   }
   return {};
 }

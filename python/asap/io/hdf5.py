@@ -76,6 +76,7 @@ class Hdf5Reader:
                 is_us = options.time_unit in (None, "us") and abs(layout.t_offset) < 1 << 62
                 self._adds_later = narrow and is_us
                 self.width, self.height = _sensor_of(file, next(iter(datasets.values())))
+                unit = options.time_unit or ("us" if "ms_to_idx" in file else None)  # DSEC
             self.expected = layout.rows
             self._order = options.order
             if layout.is_matrix:
@@ -84,7 +85,7 @@ class Hdf5Reader:
                 by_order(path, layout.name, rows, options.order)
             elif options.order is not None:
                 file_columns(path, dict.fromkeys(layout.datasets, np.empty(0)), options.order)
-        self._options = Options(None, options.time_unit)
+        self._options = Options(None, unit)
 
     def chunks(self, losses: Losses, from_us: int | None = None) -> Iterator[Events]:
         """Read steps of some chunks up to the first damaged chunk, hand on in pieces."""

@@ -42,6 +42,7 @@ from asap.io.reader import (
 
 _PACKED_BY_NUMPY = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # the others unpack without a limit
 
+_UNIT = "time_unit"
 _FEW = 16  # values, where a size is stated
 _WIDEST = 1 << 16  # bytes of a value
 
@@ -133,7 +134,7 @@ class NpzReader:
     """Columns ``t``, ``x``, ``y``, ``p`` (or their other names), or one array of events.
 
     The array is the only one in the file, the one called ``events``, or a stream. Two numbers
-    ``width`` and ``height`` state the sensor.
+    ``width`` and ``height`` state the sensor, a text ``time_unit`` the unit of the times.
     """
 
     format = "npz"
@@ -145,6 +146,8 @@ class NpzReader:
         self._archive = Archive(path)
         with foreign(path):
             self.width, self.height = size_of(self._archive.arrays, self._stated)
+            if options.time_unit is None and _UNIT in self._archive:
+                self._options = replace(options, time_unit=str(self._stated(_UNIT)))
         self._headers = {
             key: self._archive.header(key).by_events(options.order) for key in self._choose()
         }
@@ -192,7 +195,7 @@ class NpzReader:
         columns = [key for key in names if key in understood]
         if len(columns) >= 3:
             return columns
-        others = [key for key in names if not SIZE.fullmatch(key)]
+        others = [key for key in names if key != _UNIT and not SIZE.fullmatch(key)]
         if "events" in others and self._options.stream is None:
             return ["events"]
         if len(others) == 1:

@@ -65,8 +65,8 @@ def write_npz(file: IO[bytes], chunks: Iterable[Events], width: int, height: int
             with _member(archive, role) as member:
                 member.write(_npy_header(np.dtype(_COLUMNS[role]), count))
                 shutil.copyfileobj(column, member, _PIECE)
-        for name, side in (("width", width), ("height", height)):
-            if side:
+        for name, value in (("time_unit", "us"), ("width", width), ("height", height)):
+            if value:
                 with _member(archive, name) as member:
                     npy.write_array(member, np.array(side), allow_pickle=False)
     return count

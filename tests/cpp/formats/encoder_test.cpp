@@ -302,7 +302,7 @@ TEST(Encoder, HeadersStateTheSensor) {
   EXPECT_EQ(found->size, header.size());
   const std::string es = Encoder(config(Encoding::event_stream)).header();
   EXPECT_EQ(es, std::string("Event Stream\2\0\0\1\0\5\xd0\2", 20));
-  EXPECT_EQ(Encoder({.encoding = Encoding::csv}).header(), "t,x,y,p\n");
+  EXPECT_EQ(Encoder({.encoding = Encoding::csv}).header(), "t [us],x,y,p\n");
 }
 
 }  // namespace
