@@ -5,10 +5,9 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Iterator
-from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -19,6 +18,7 @@ from asap.experiment.source import Source
 from asap.io.reader import losses_of
 from asap.io.writers import (
     Writer,
+    replacing,
     write_aedat4,
     write_dsec,
     write_encoded,
@@ -117,7 +117,7 @@ def convert(
             raise ValueError(_checks.named(side, None, remedy))
     if stream.recording is not None:
         _checks.other_file("path", target, stream.recording.path)
-    with _replacing(target) as file:
+    with replacing(target) as file:
         chunks = in_order(stream, relative=relative)
         write = WRITERS[to]
         if to in _WITH_TRIGGERS:
@@ -192,19 +192,3 @@ def _check_pixels(events: Events, stream: Source) -> None:
                 f"{axis} = {events[axis][at]} (event {number}): outside the sensor, "
                 f"{side} = {size}; give the sensor's own {side}"
             )
-
-
-@contextmanager
-def _replacing(path: Path) -> Iterator[IO[bytes]]:
-    """Write beside the path, and take its place only when all is written."""
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        with part.open("w+b") as file:
-            yield file
-        part.replace(path)
-    except OSError as error:
-        if error.filename != str(part):
-            raise
-        raise OSError(error.errno, error.strerror, str(path)) from error
-    finally:
-        part.unlink(missing_ok=True)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from asap import _checks, _core
 from asap.events import EVENT_DTYPE, Events
+from asap.io.writers import replacing
 
 _COLUMNS = ("id", "t", "x", "y", "vx", "vy", "size")
 _SHAPE = ("left", "top", "width", "height", "cxx", "cxy", "cyy")  # px, px^2, not in the file
@@ -107,7 +108,9 @@ class Tracks:
         names = [name for name in _COLUMNS if name in (tracks.dtype.names or ())]
         whole = [np.issubdtype(tracks.dtype[name], np.integer) for name in names]
         formats = ["%d" if is_whole else "%.6g" for is_whole in whole]
-        np.savetxt(file, tracks[names], formats, delimiter=",", header=",".join(names), comments="")
+        how: Any = {"delimiter": ",", "header": ",".join(names), "comments": ""}
+        with replacing(file) as opened:
+            np.savetxt(opened, tracks[names], formats, **how)
         return file
 
 

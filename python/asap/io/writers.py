@@ -7,11 +7,14 @@ wrote. Packets, as a driver sends them, end where a period of the events' time e
 
 from __future__ import annotations
 
+import errno
+import io
+import os
 import shutil
 import struct
 import zipfile
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from tempfile import TemporaryFile
 from typing import IO, Any
@@ -33,6 +36,44 @@ _PIECE = 1 << 18
 _NPY_HEADER = 192  # bytes: enough for any count, so that it can be written again at the end
 _COLUMNS = {"t": "<i8", "x": "<u2", "y": "<u2", "p": "u1"}
 _PADDING = 3  # the 16-bit word of an event that holds nothing
+_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+
+
+@contextmanager
+def replacing(path: Path) -> Iterator[IO[bytes]]:
+    """Write beside the path, and take its place only when all is written; a device as it is."""
+    target = path.resolve()
+    if target.exists() and not target.is_file():
+        with target.open("wb") as file:
+            yield file
+        return
+    part = target.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        with part.open("w+b") as file:
+            yield file
+        part.replace(target)
+    except OSError as error:
+        is_nameless = error.filename is None and error.errno in _FULL
+        if not is_nameless and error.filename != str(part):
+            raise
+        raise OSError(error.errno, error.strerror, str(path)) from error
+    finally:
+        part.unlink(missing_ok=True)
+
+
+class Growing(io.FileIO):
+    """A new file without a buffer: what was written is there, and a failed write is over."""
+
+    def __init__(self, path: Path) -> None:
+        super().__init__(path, "x+")
+
+    def write(self, data: Any) -> int:
+        """Write all, in as many steps as the system makes of it."""
+        rest = memoryview(data).cast("B")
+        size = len(rest)
+        while rest:
+            rest = rest[super().write(rest) :]
+        return size
 
 
 def write_npy(file: IO[bytes], chunks: Iterable[Events], width: int, height: int) -> int:
@@ -80,7 +121,7 @@ def _member(archive: zipfile.ZipFile, name: str) -> IO[bytes]:
 
 def write_archive(path: Path, members: Mapping[str, bytes | npt.NDArray[Any]]) -> None:
     """Write bytes and arrays as the members of an ``.npz``."""
-    with path.open("wb") as file, zipfile.ZipFile(file, "w") as archive:
+    with replacing(path) as file, zipfile.ZipFile(file, "w") as archive:
         for name, content in members.items():
             if isinstance(content, np.ndarray):
                 content = _npy_header(content.dtype, len(content)) + content.tobytes()
@@ -277,7 +318,8 @@ def write_dsec(file: IO[bytes], chunks: Iterable[Events], width: int, height: in
 
     ``ms_to_idx[k]`` is the first event with t >= 1000 k; it ends with the number of events.
     """
-    with _hdf5(file) as hdf5:
+    patient = _Patient(file)
+    with library("h5py", "HDF5", "hdf5").File(patient, "w") as hdf5:
         columns = {
             role: _growing(hdf5, f"events/{role}", kind)
             for role, kind in {**_COLUMNS, "t": "<u4"}.items()
@@ -295,15 +337,38 @@ def write_dsec(file: IO[bytes], chunks: Iterable[Events], width: int, height: in
             _append(first_ms, count + np.searchsorted(t, marks))
             count += len(chunk)
         _append(first_ms, np.array([count]))
+            patient.raise_error()
         hdf5["t_offset"] = t_offset
         for name, side in (("width", width), ("height", height)):
             if side:
                 hdf5[f"events/{name}"] = side
     return count
+    patient.raise_error()
 
 
-def _hdf5(file: IO[bytes]) -> Any:
-    return library("h5py", "HDF5", "hdf5").File(file, "w")
+class _Patient:
+    """A file for HDF5, which a failed write makes end the interpreter: its error waits."""
+
+    def __init__(self, file: IO[bytes]) -> None:
+        self._file = file
+        self._error: OSError | None = None
+
+    def __getattr__(self, name: str) -> Any:
+        method = getattr(self._file, name)
+
+        def call(*arguments: Any) -> Any:
+            try:
+                return method(*arguments)
+            except OSError as error:
+                self._error = self._error or error
+                return len(arguments[0]) if name == "write" else 0
+
+        return call
+
+    def raise_error(self) -> None:
+        """Raise the first error there was."""
+        if self._error is not None:
+            raise self._error
 
 
 def _growing(hdf5: Any, name: str, dtype: npt.DTypeLike) -> Any:

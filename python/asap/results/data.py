@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asap import _checks, _core, _units
+from asap.io.writers import replacing
 from asap.results.cost import Cost, bound_needed_us, fit, keeps
 
 SCHEMA_VERSION = 1
@@ -35,7 +36,8 @@ class Result:
         """Write the summary as a JSON file and return its path."""
         file = _checks.new_file("path", path)
         _checks.ending("path", file, (".json",), "give a name that ends in .json")
-        file.write_text(json.dumps(self.summary(), allow_nan=False), encoding="utf-8")
+        with replacing(file) as opened:
+            opened.write(json.dumps(self.summary(), allow_nan=False).encode())
         return file
 
 

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from asap import _checks, _units
+from asap.io.writers import replacing
 from asap.results import figures, text  # figures first: it says which extra is missing
 from asap.results.data import Comparison, Inspection, Run, flat
 
@@ -83,7 +84,8 @@ def write(
     file = _checks.page_file("path", path)
     template = _TEMPLATES.get_template("page.html")
     html = template.render(title=title, articles=articles, above=above, style=style)
-    file.write_text(html, encoding="utf-8", errors="replace")  # a file name may be no text
+    with replacing(file) as opened:
+        opened.write(html.encode(errors="replace"))  # a file name may be no text
     return file
 
 
