@@ -6,7 +6,6 @@ A camera is read by one thread at a time: its own while it feeds a pipeline.
 from __future__ import annotations
 
 import math
-import queue
 import sys
 import threading
 import time
@@ -17,10 +16,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from asap import _checks, _core
+from asap import _checks
 from asap._playback import Playback
-from asap.conversion import convert, format_of, in_order, losses
-from asap.events import EVENT_DTYPE, as_events
+from asap._recorder import Recorder
+from asap.conversion import in_order, losses
+from asap.events import EVENT_DTYPE
 from asap.experiment.live_run import CameraRun
 from asap.experiment.pipeline import Pipeline
 from asap.experiment.source import Source
@@ -32,7 +32,6 @@ __all__ += ["cameras", "open_camera"]
 
 _WAIT_S = 0.1  # the longest that a silent camera keeps its thread
 _OLDEST_S = 60.0  # limit on a packet's age, since the wall clock may have been set
-_MOST_PACKETS = 1000  # waiting for the disk
 _UNPLUGGED = "it was unplugged; plug it in and open it again"
 # neuromorphic-drivers raises only RuntimeError; its words tell the cause.
 _REMEDIES = {
@@ -130,7 +129,8 @@ class Camera:
     width, height : int
         Sensor, px.
     recorded : Path or None
-        Once it is closed: the file that `record` has written.
+        Once it is closed: the file that has the events that `record` asked for, its part if it
+        could not be finished or would replace another after an error; None without events.
     pipeline : Pipeline or None
         The one that it feeds, or has fed last.
 
@@ -147,8 +147,9 @@ class Camera:
         self.device, self.name, self.serial = device, _name(device.name()), str(device.serial())
         self._state = "open"
         self._error: BaseException | None = None
+        self._is_cut = False  # by an error of what it is used for
         self.recorded: Path | None = None
-        self._recorder: _Recorder | None = None
+        self._recorder: Recorder | None = None
         self._reading, self._leaving, self._stale = threading.Lock(), threading.Event(), False
         self._thread: threading.Thread | None = None
         self.pipeline: Pipeline | None = None
@@ -256,10 +257,13 @@ class Camera:
         """Write the events that are read from now on to a file, as `convert` does, until `close`.
 
         A thread writes; what the disk is too slow for, and bad events, count as `not_recorded`.
+        Until `close`, the events are in a file beside it, as ``flight.part.raw``, that `load` reads
+        at any moment: it stays where the process is killed or the disk is full. An older file stays
+        where no event came, or an error ended the ``with`` block.
         """
         if self._recorder is not None:
             raise RuntimeError(f"record: {self} is recorded already, to {self._recorder.path}")
-        self._recorder = _Recorder(_checks.new_file("path", path), self.width, self.height)
+        self._recorder = Recorder(_checks.new_file("path", path), self.width, self.height)
 
     def stats(self) -> dict[str, Any]:
         """Sum up as one JSON object; `silent_s` counts from the last packet."""
@@ -280,15 +284,15 @@ class Camera:
         with self._reading:
             self._state = "closed" if self._state == "open" else self._state
             self.device.close()
-        if self._recorder is not None:
-            failure = self._recorder.close()
-            self._error = self._error or failure
-            self.recorded = None if failure else self._recorder.path
+        if self._recorder is not None and self._recorder.is_open:
+            self.recorded, failure = self._recorder.close(replaces=not self._is_cut)
+            self._error = self._error or (CameraError(failure) if failure else None)
 
     def __enter__(self) -> Camera:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        self._is_cut = kind is not None and issubclass(kind, Exception)
         self.close()
         if kind is None:
             self.raise_error()
@@ -355,45 +359,6 @@ class SoftwareCamera(Camera):
         super().__init__(Playback(in_order(stream, relative=True), size, *how))
         for loss in losses(stream):
             warnings.warn(f"{self}: {loss}", stacklevel=2)
-
-
-class _Recorder:
-    """A thread that writes packets; a full queue never holds the camera up."""
-
-    def __init__(self, path: Path, width: int, height: int) -> None:
-        format_of(path, None)
-        self.path, self._size, self.not_recorded = path, (width, height), 0
-        self._door = _core.Validator(width=width, height=height, on_bad="drop")
-        self._queue: queue.Queue[Any] = queue.Queue(_MOST_PACKETS)
-        self._error: CameraError | None = None
-        self._thread = threading.Thread(target=self._write, name=f"asap writes {path.name}")
-        self._thread.start()
-
-    def put(self, events: Any) -> None:
-        try:
-            self._queue.put_nowait(events)
-        except queue.Full:
-            self.not_recorded += len(events)
-
-    def _good(self) -> Iterator[Any]:
-        while (events := self._queue.get()) is not None:
-            good = self._door.check(as_events(events))
-            self.not_recorded += len(events) - len(good)
-            yield good
-
-    def _write(self) -> None:
-        try:
-            width, height = self._size
-            convert(self._good(), self.path, width=width, height=height)
-        except Exception as error:
-            self._error = CameraError(f"{self.path}: not recorded: {error}")
-            for good in self._good():
-                self.not_recorded += len(good)
-
-    def close(self) -> CameraError | None:
-        self._queue.put(None)
-        self._thread.join()
-        return self._error
 
 
 def _name(value: Any) -> str:

@@ -319,24 +319,6 @@ def test_record(attach: Callable[..., Driver], tmp_path: Path) -> None:
     assert (np.diff(events["t"]) >= 0).all()
 
 
-def test_a_recording_that_fails_is_told_at_the_end(
-    attach: Callable[..., Driver], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def full(*_: Any, **__: Any) -> int:
-        raise OSError("the disk is full")
-
-    attach(*["events"] * 20)
-    monkeypatch.setattr("asap.camera.convert", full)
-    with (
-        pytest.raises(asap.CameraError, match=r"flight\.raw: .*full"),
-        asap.open_camera() as camera,
-    ):
-        camera.record(tmp_path / "flight.raw")
-        run = asap.run(camera, algorithm=len, latency_ms=LONG_MS, duration_s=0.3)
-    assert run.ledger.delivered == 20 * PACKET
-    assert camera.stats()["not_recorded"] == 20 * PACKET
-
-
 # ---- the command ----------------------------------------------------------------------------
 
 

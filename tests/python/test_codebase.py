@@ -45,7 +45,7 @@ PYTHON_LAYERS = (
     {"results"},
     {"experiment"},
     {"analysis", "conversion", "plots"},
-    {"_playback"},
+    {"_playback", "_recorder"},
     {"_rerun", "camera", "inspection", "monitor"},
     {"_progress", "viewer"},
     {"demo"},

@@ -77,7 +77,7 @@ class Growing(io.FileIO):
 
 
 def write_npy(file: IO[bytes], chunks: Iterable[Events], width: int, height: int) -> int:
-    """Write one array of EVENT_DTYPE; its length goes into the header at the end."""
+    """Write one array of EVENT_DTYPE; the header has its length after each chunk."""
     file.write(_npy_header(EVENT_DTYPE, 0))
     count = 0
     for chunk in chunks:
@@ -85,13 +85,14 @@ def write_npy(file: IO[bytes], chunks: Iterable[Events], width: int, height: int
         words[:, _PADDING] = 0  # else whatever the memory held
         file.write(words.data)
         count += len(chunk)
-    file.seek(0)
-    file.write(_npy_header(EVENT_DTYPE, count))
+        file.seek(0)
+        file.write(_npy_header(EVENT_DTYPE, count))
+        file.seek(0, os.SEEK_END)
     return count
 
 
 def write_npz(file: IO[bytes], chunks: Iterable[Events], width: int, height: int) -> int:
-    """Write the columns and, where it is known, the size of the sensor; compressed."""
+    """Write the columns, their unit and, where it is known, the sensor's size; compressed."""
     count = 0
     with ExitStack() as stack:  # the columns wait in files until their length is known
         folder = Path(file.name).parent
@@ -109,7 +110,7 @@ def write_npz(file: IO[bytes], chunks: Iterable[Events], width: int, height: int
         for name, value in (("time_unit", "us"), ("width", width), ("height", height)):
             if value:
                 with _member(archive, name) as member:
-                    npy.write_array(member, np.array(side), allow_pickle=False)
+                    npy.write_array(member, np.array(value), allow_pickle=False)
     return count
 
 
@@ -174,11 +175,11 @@ def write_evt3(
     chunks: Iterable[Events],
     width: int,
     height: int,
-    triggers: Callable[[], npt.NDArray[np.void]],
+    triggers: Callable[[], npt.NDArray[np.void]] = lambda: np.empty(0, _core.TRIGGER_DTYPE),
 ) -> int:
     """Write EVT3 with its triggers, each before the first event that is not older.
 
-    `triggers` returns those of the source that have been read.
+    `triggers` returns those of the source that have been read; none unless given.
     """
     encoded = Encoded("evt3", width, height)
     file.write(encoded.header)
@@ -336,14 +337,14 @@ def write_dsec(file: IO[bytes], chunks: Iterable[Events], width: int, height: in
             marks = np.arange(len(first_ms), int(t[-1]) // _MS_US + 1) * _MS_US
             _append(first_ms, count + np.searchsorted(t, marks))
             count += len(chunk)
-        _append(first_ms, np.array([count]))
             patient.raise_error()
+        _append(first_ms, np.array([count]))
         hdf5["t_offset"] = t_offset
         for name, side in (("width", width), ("height", height)):
             if side:
                 hdf5[f"events/{name}"] = side
-    return count
     patient.raise_error()
+    return count
 
 
 class _Patient:
