@@ -63,12 +63,13 @@ def shown(target: str) -> Iterator[Callable[..., None]]:
     recording = rr.RecordingStream("asap")
     if target == "spawn":
         _open_window()
-    if target in ("spawn", "connect"):
-        recording.connect_grpc(f"rerun+http://127.0.0.1:{PORT}/proxy")
-    else:
+    is_file = target not in ("spawn", "connect")
+    if is_file:
         recording.save(target)
+    else:
+        recording.connect_grpc(f"rerun+http://127.0.0.1:{PORT}/proxy")
     yield _Picture(recording).log
-    recording.flush(timeout_sec=2.0)
+    recording.flush(timeout_sec=1e6 if is_file else 2.0)
     recording.disconnect()
 
 

@@ -12,8 +12,9 @@ import subprocess
 import sys
 import threading
 from collections import deque
-from contextlib import suppress
+from contextlib import nullcontext, suppress
 from importlib.util import find_spec
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -124,6 +125,7 @@ class View:
                 f"after ssh -R {PORT}:localhost:{PORT} from a machine where rerun is open"
             )
         self._is_text = target == "terminal"
+        self._file: Path | None = None
         if self._is_text:
             monitor.need_terminal()
         elif find_spec("rerun") is None:
@@ -133,6 +135,7 @@ class View:
             remedy = "give 'spawn', 'connect', 'terminal' or a .rrd file"
             _checks.ending("target", path, (".rrd",), remedy)
             target = str(path.absolute())
+            self._file = path
         self._process = begun(f"viewer.draw({target!r})")
         self._pipe: Any = self._process.stdin
         self._closing = threading.Event()
@@ -178,23 +181,32 @@ class View:
         return True
 
     def close(self) -> None:
-        """Show the last frame and end; a viewer that takes none is not waited for."""
+        """Show the last frame and end; a file is waited for, a viewer that takes none is not.
+
+        Raises
+        ------
+        RuntimeError
+            The file could not be written.
+        """
+        patience_s = _PATIENCE_S if self._file is None else None
         self._closing.set()
         if self._thread is not None:
-            self._thread.join(_PATIENCE_S)
+            self._thread.join(patience_s)
             if self._thread.is_alive():  # in a write that ends with the process
                 self._process.kill()
                 self._thread.join()
         with suppress(OSError):  # what that process did not take
             self._pipe.close()
-        try:
-            self._process.wait(_PATIENCE_S)
-        except subprocess.TimeoutExpired:
-            self._process.kill()
-            self._process.wait()
+        with suppress(subprocess.TimeoutExpired):
+            self._process.wait(patience_s)
+        self._process.kill()  # where it has not ended
+        code = self._process.wait()
+        if self._file is not None and (code or not self._file.exists()):
+            raise RuntimeError(f"{self._file}: not written: what writes it ended with code {code}")
 
     def __enter__(self) -> View:
         return self
 
-    def __exit__(self, *_: object) -> None:
-        self.close()
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        with nullcontext() if kind is None else suppress(RuntimeError):
+            self.close()

@@ -120,16 +120,31 @@ def test_the_run_comes_first(tmp_path: Path) -> None:
             time.sleep(0.01)
 
 
+def test_a_file_is_waited_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(viewer, "_PATIENCE_S", 1e-3)
+    run = asap.simulate(disc(0.5), cost=asap.LinearCost(100, 300), width=SIZE[0], height=SIZE[1])
+    asap.view(run, tmp_path / "run.rrd")
+    assert any(shown_in(tmp_path / "run.rrd").values())
+
+
+def test_a_file_that_is_not_written_is_told(tmp_path: Path) -> None:
+    with (
+        pytest.raises(RuntimeError, match=r"run\.rrd: not written"),
+        viewer.View(tmp_path / "run.rrd") as shown,
+    ):
+        shown._process.kill()
+
+
 @pytest.mark.parametrize("fault", [signal.SIGSTOP, signal.SIGKILL])
 def test_a_viewer_that_stalls_or_dies_is_not_waited_for(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, fault: signal.Signals
+    monkeypatch: pytest.MonkeyPatch, fault: signal.Signals
 ) -> None:
     monkeypatch.setattr(viewer, "_PATIENCE_S", 0.2)
     events = disc(1.0, rate_hz=1e6)  # more than a pipe holds
     with asap.SoftwareCamera(events, width=SIZE[0], height=SIZE[1]) as camera:
         tracker = asap.ClusterTracker(*SIZE)
         pipeline = asap.Pipeline(tracker, camera=camera, latency_ms=LONG_MS)
-        with pipeline, asap.view(pipeline, tmp_path / "run.rrd") as shown:
+        with pipeline, asap.view(pipeline, "connect") as shown:
             os.kill(shown._process.pid, fault)
             pipeline.run()
             assert pipeline.ledger.balanced and pipeline.ledger.pending == 0
