@@ -38,12 +38,13 @@ _PIPE_BYTES = 1 << 20
 def begun(call: str, **pipes: Any) -> subprocess.Popen[bytes]:
     """Begin a process that calls a function of a module of asap, with a pipe into it.
 
-    Ctrl-C is for the user's process alone. A session of its own would do so too, but have a share
-    of the processor for itself, within which alone a priority counts.
+    Signals that end are for the user's process alone. A session of its own would do so too, but
+    have a share of the processor for itself, within which alone a priority counts.
     """
     name = call.partition(".")[0]
     code = f"import sys; sys.path[:] = {sys.path!r}; from asap import {name}; {call}"
-    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    ends = {signal.SIGINT, signal.SIGTERM, signal.SIGHUP}
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, ends)
     try:
         return subprocess.Popen([sys.executable, "-c", code], stdin=subprocess.PIPE, **pipes)
     finally:

@@ -275,20 +275,6 @@ def test_demo(call: Call, flight: Path, monkeypatch: pytest.MonkeyPatch) -> None
 # ---- what is told, and where ----------------------------------------------------------------
 
 
-def test_an_interrupted_run_prints_its_ledger_and_exits_with_130(
-    call: Call, flight: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    run = asap.simulate(flight, cost=LINEAR)
-
-    def interrupt(*_: Any, **__: Any) -> None:
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(asap, "simulate", interrupt)
-    code, out, err = call("run", flight, *COST, "--json")
-    assert (code, out) == (130, "")
-    assert f"{run.ledger.delivered:,}" in err and "received" in err
-
-
 def test_warnings_become_a_line_on_stderr(call: Call, flight: Path) -> None:
     corrupt.cut_file(flight, 20_001)
     code, out, err = call("info", flight, "--json")
@@ -389,7 +375,7 @@ def test_a_full_disk_is_named(flight: Path) -> None:
     for name in ("full.npz", "full.json"):
         Path(name).symlink_to("/dev/full")
         ran = process(f"run {flight} --cost 1us+1ns --save {name}")
-        assert (ran.returncode, ran.stdout) == (2, "")
+        assert ran.returncode == 2 and "kept" in ran.stdout and "wrote" not in ran.stdout
         assert ran.stderr == f"asap: error: {name}: No space left on device\n"
     ran = process(f"info {flight} >/dev/full")
     assert (ran.returncode, ran.stderr) == (2, "asap: error: stdout: No space left on device\n")

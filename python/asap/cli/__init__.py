@@ -1,7 +1,8 @@
 """The command ``asap``.
 
 Results go to stdout, everything else to stderr; ``--json`` prints one object and nothing else. Exit
-codes: 0 ok, 1 a check failed, 2 usage, 3 input unreadable, corrupt or empty, 130 interrupted.
+codes: 0 ok, 1 a check failed, 2 usage, 3 input unreadable, corrupt or empty, 128 and the number of
+the signal that ended it: 130 Ctrl-C, 143 SIGTERM, 129 SIGHUP.
 """
 
 from __future__ import annotations
@@ -15,9 +16,8 @@ from collections.abc import Sequence
 
 import asap
 from asap.cli.options import EXAMPLES
-from asap.cli.outcome import INTERRUPTED, OK, USAGE, Failure, say
+from asap.cli.outcome import INTERRUPTED, OK, USAGE, Ended, Failure, ended_by_signals, say
 from asap.cli.verbs import VERBS
-from asap.results import text
 
 __all__ = ["carry_out", "main"]
 
@@ -25,7 +25,8 @@ _EPILOG = """\
 examples:
   {}
 
-exit codes: 0 ok, 1 a check failed, 2 usage, 3 input unreadable, corrupt or empty, 130 interrupted
+exit codes: 0 ok, 1 a check failed, 2 usage, 3 input unreadable, corrupt or empty, 130 interrupted,
+143 and 129 by SIGTERM and SIGHUP, which end a run as Ctrl-C does: with its files
 """
 
 
@@ -42,18 +43,18 @@ def carry_out(parser: argparse.ArgumentParser, argv: Sequence[str] | None = None
         warnings.simplefilter("default")
         warnings.showwarning = lambda message, *_, **__: say(f"warning: {message}")
         try:
-            code = _parsed_and_done(parser, argv)
+            with ended_by_signals():
+                code = _parsed_and_done(parser, argv)
             if sys.stdout is not None:  # None: closed
                 sys.stdout.flush()
             return code
         except Failure as failure:
             say(f"error: {failure}")
             return failure.code
-        except KeyboardInterrupt:
-            say("interrupted")
-            if last := asap.last_run():
-                say(f"the run up to there:\n{text.format_ledger(last.ledger, last.rejected)}")
-            return INTERRUPTED
+        except KeyboardInterrupt as interrupt:
+            number = interrupt.number if isinstance(interrupt, Ended) else Ended.number
+            say("interrupted" if number == Ended.number else f"ended by {number.name}")
+            return INTERRUPTED + number
         except BrokenPipeError:
             _drop_stdout()  # the reader of the pipe is gone
             return OK

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
+from pathlib import Path
 from typing import Any
 
 import asap
@@ -26,6 +27,7 @@ from asap.cli.outcome import (
     hand_over,
     print_json,
     reading,
+    say,
     usage,
 )
 
@@ -105,6 +107,14 @@ def _shown(arguments: Any) -> Iterator[Any]:
             yield lambda _: on_progress
 
 
+def _tell_failure(camera: asap.Camera) -> None:
+    """Tell what its recording ended with, where the run ended with something else."""
+    try:
+        camera.raise_error()
+    except asap.CameraError as error:
+        say(f"error: {error}")
+
+
 def run_live(arguments: Any) -> int:
     """Run an algorithm on a camera; show and save the run, however it ended."""
     with usage():
@@ -137,8 +147,11 @@ def run_live(arguments: Any) -> int:
                     on_progress=show(camera),
                 )
     finally:
+        if camera is not None:
+            _tell_failure(camera)
         run = asap.last_run()
         if run is not None and run is not before:
-            shown = None if arguments.target in (None, *_WINDOWS) else arguments.target
-            code = hand_over(run, arguments, tracks, camera.recorded if camera else None, shown)
+            shown = None if arguments.target in (None, *_WINDOWS) else Path(arguments.target)
+            written = shown if shown and shown.exists() else None
+            code = hand_over(run, arguments, tracks, written, camera.recorded if camera else None)
     return code

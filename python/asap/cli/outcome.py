@@ -6,15 +6,17 @@ import difflib
 import importlib
 import json
 import os
+import signal
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
 import asap
 
-OK, CHECK_FAILED, USAGE, BAD_INPUT, INTERRUPTED = 0, 1, 2, 3, 130
+OK, CHECK_FAILED, USAGE, BAD_INPUT, INTERRUPTED = 0, 1, 2, 3, 128  # and the signal's number
 
 
 class Failure(Exception):
@@ -23,6 +25,35 @@ class Failure(Exception):
     def __init__(self, code: int, message: str) -> None:
         super().__init__(message)
         self.code = code
+
+
+class Ended(KeyboardInterrupt):
+    """A signal that ends a verb as Ctrl-C does."""
+
+    number = signal.SIGINT
+
+
+@contextmanager
+def ended_by_signals() -> Iterator[None]:
+    """Let SIGTERM and SIGHUP end what is done, but not what is then written."""
+
+    def end(number: int, _: Any) -> None:
+        for one in before:
+            signal.signal(one, signal.SIG_IGN)
+        ended = Ended()
+        ended.number = signal.Signals(number)
+        raise ended
+
+    before: dict[signal.Signals, Any] = {}
+    if threading.current_thread() is threading.main_thread():
+        for one in (signal.SIGTERM, signal.SIGHUP):
+            if signal.getsignal(one) != signal.SIG_IGN:  # as under nohup
+                before[one] = signal.signal(one, end)
+    try:
+        yield
+    finally:
+        for one, handler in before.items():
+            signal.signal(one, handler)
 
 
 @contextmanager
@@ -75,18 +106,39 @@ def writing(path: object) -> Iterator[None]:
         yield
     except OSError as error:  # on a full disk without a name
         raise Failure(USAGE, f"{error.filename or path}: {error.strerror or error}") from error
+    except RuntimeError as error:  # of a program or a library that writes
+        raise Failure(USAGE, str(error)) from error
 
 
-def show(result: Any, arguments: Any, *saved: Path | None) -> None:
-    """Write the page about a result, and print it: a table, or the object of ``--json``."""
-    if arguments.report:
-        with writing(arguments.report):
-            result.report(arguments.report)
+def show(
+    result: Any,
+    arguments: Any,
+    *files: tuple[Path | None, Callable[[Path], object]],
+    written: tuple[Path | None, ...] = (),
+) -> int:
+    """Write files and the page about a result, and print it: a table, or the object of ``--json``.
+
+    Return the exit code: what cannot be written is told, and keeps nothing else from being shown.
+    """
+    done: list[Path] = []
+    failures: list[str] = []
+    for path, write in (*files, (arguments.report, result.report)):
+        if path is None:
+            continue
+        try:
+            with writing(path):
+                write(path)
+            done.append(path)
+        except Failure as failure:
+            failures.append(str(failure))
     if arguments.json:
         print_json(result.summary())
     else:
         print(result)
-        print_written(*saved, arguments.report)
+        print_written(*done, *written)
+    for words in failures:
+        say(f"error: {words}")
+    return USAGE if failures else OK
 
 
 def code_of(result: Any) -> int:
@@ -98,22 +150,28 @@ def code_of(result: Any) -> int:
 
 
 def hand_over(run: Any, arguments: Any, tracks: Any, *written: Path | None) -> int:
-    """Write what ``--save`` and ``--tracks`` ask for, show the run and return the exit code."""
-    for path, result in ((arguments.save, run), (arguments.tracks, tracks)):
-        if path is not None and result is not None:
-            with writing(path):
-                result.save(path)
-    if arguments.video:
-        with writing(arguments.video):
-            run.animate(arguments.video)
-    show(run, arguments, arguments.save, arguments.tracks, arguments.video, *written)
-    return code_of(run)
+    """Write what ``--save``, ``--tracks``, ``--video`` and ``--report`` ask for; show the run."""
+    files = [(arguments.save, run.save), (arguments.video, run.animate)]
+    if tracks is not None:
+        files.insert(1, (arguments.tracks, tracks.save))
+    return show(run, arguments, *files, written=written) or code_of(run)
 
 
 def need_report() -> None:
     """Say that a page cannot be written before the run, not after it."""
+    _needed("asap.results.page")
+
+
+def need_video(path: Path) -> None:
+    """Say that a video cannot be written before the run, not after it."""
+    animation = _needed("asap.results.animation")
+    with usage(), writing(path):
+        animation.check_name(path)
+
+
+def _needed(module: str) -> Any:
     try:
-        importlib.import_module("asap.results.page")
+        return importlib.import_module(module)
     except ImportError as error:
         raise Failure(USAGE, str(error)) from error
 
@@ -134,7 +192,8 @@ def say(message: str) -> None:
     """Tell the user something that is no result."""
     if sys.stderr is None:  # closed; print would take stdout
         return
-    print(f"asap: {message}", file=sys.stderr)
+    with suppress(OSError):  # the terminal has gone
+        print(f"asap: {message}", file=sys.stderr)
 
 
 def tell_doubt(recording: Any) -> None:

@@ -46,6 +46,7 @@ from asap.cli.outcome import (
     code_of,
     hand_over,
     need_report,
+    need_video,
     print_json,
     print_written,
     reading,
@@ -178,6 +179,8 @@ def _run(arguments: Any) -> int:
         raise Failure(USAGE, "--every: needs --tracks, the file that it is for")
     if arguments.report:
         need_report()
+    if arguments.video:
+        need_video(arguments.video)
     if arguments.target and len(arguments.file) == 1:
         arguments.software_camera, arguments.file = arguments.file[0], []
     if is_live(arguments):
@@ -201,14 +204,20 @@ def _run(arguments: Any) -> int:
         "execution": arguments.execution,
         "speed": arguments.speed,
     }
-    with reading(arguments), workers.own, _progress.on_terminal() as on_progress:
-        if cost is not None:
-            options["execution"] = arguments.execution or "anytime"
-            run = asap.simulate(recording, cost=cost, on_progress=on_progress, **options)
-        else:
-            run = asap.run(recording, on_progress=on_progress, **options)
-    tell_doubt(recording)
-    return hand_over(run, arguments, workers.tracks)
+    last, code = asap.last_run(), OK
+    try:
+        with reading(arguments), workers.own, _progress.on_terminal() as on_progress:
+            if cost is not None:
+                options["execution"] = arguments.execution or "anytime"
+                asap.simulate(recording, cost=cost, on_progress=on_progress, **options)
+            else:
+                asap.run(recording, on_progress=on_progress, **options)
+        tell_doubt(recording)
+    finally:  # as far as it went
+        run = asap.last_run()
+        if run is not None and run is not last:
+            code = hand_over(run, arguments, workers.tracks)
+    return code
 
 
 def _add_monitor(verbs: Any) -> None:
@@ -264,8 +273,7 @@ def _compare(arguments: Any) -> int:
             on_bad=arguments.on_bad,
             on_progress=on_progress,
         )
-    show(comparison, arguments)
-    return code_of(comparison)
+    return show(comparison, arguments) or code_of(comparison)
 
 
 def _add_info(verbs: Any) -> None:
@@ -319,9 +327,9 @@ def _check(arguments: Any) -> int:
         need_report()
     with reading(arguments), _progress.on_terminal() as on_progress:
         inspection = asap.check(_as_source(arguments), on_progress=on_progress)
-    show(inspection, arguments)
-    if inspection.ok:
-        return OK
+    code = show(inspection, arguments)
+    if code or inspection.ok:
+        return code
     is_lost = inspection.events == 0 and inspection.findings["truncated"].count > 0
     return BAD_INPUT if is_lost else CHECK_FAILED
 

@@ -13,11 +13,12 @@ from collections.abc import Iterator
 from contextlib import suppress
 from itertools import chain, pairwise
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import numpy as np
 
 from asap import _checks, _units
+from asap.io.writers import replacing
 from asap.results.data import Run
 from asap.results.pictures import BRIGHT, COLOURS, FRAME_US, frames, outlines_of, painted
 
@@ -36,44 +37,48 @@ _SHADES = [  # of each colour, from itself to the background
 ]
 
 
+def check_name(path: Path) -> None:
+    """Refuse a path that `write` does not write to."""
+    _checks.ending("path", path, (".gif", ".mp4"), "give a name that ends in .gif or .mp4")
+    if path.suffix.lower() == ".mp4" and shutil.which("ffmpeg") is None:
+        raise RuntimeError("an MP4 needs the program ffmpeg, which is not installed; give a .gif")
+
+
 def write(run: Run, path: str | os.PathLike[str]) -> Path:
     """Write the file and return its path."""
     file = _checks.new_file("path", path)
-    _checks.ending("path", file, (".gif", ".mp4"), "give a name that ends in .gif or .mp4")
+    check_name(file)
     if not hasattr(run.algorithm, "seen"):
         remedy = "holds no pictures; run with algorithm=asap.Tracks(asap.ClusterTracker(...))"
         raise ValueError(_checks.named("run", run, remedy))
-    if file.suffix.lower() == ".mp4":
-        _write_mp4(_frames(run), file)
-    else:
-        _write_gif(_frames(run), file)
+    write_frames = _write_mp4 if file.suffix.lower() == ".mp4" else _write_gif
+    with replacing(file) as opened:
+        write_frames(_frames(run), opened)
     return file
 
 
-def _write_gif(frames: Iterator[Any], file: Path) -> None:
+def _write_gif(frames: Iterator[Any], file: IO[bytes]) -> None:
     palette = Image.new("P", (1, 1))
     colours = [*COLOURS, *chain.from_iterable(_SHADES)]
     palette.putpalette([part for colour in colours for part in colour])
     few = (frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames)
-    next(few).save(file, save_all=True, append_images=few, duration=FRAME_US // 1000, loop=0)
+    options = {"save_all": True, "append_images": few, "duration": FRAME_US // 1000, "loop": 0}
+    next(few).save(file, "GIF", **options)
 
 
-def _write_mp4(frames: Iterator[Any], file: Path) -> None:
-    if (program := shutil.which("ffmpeg")) is None:
-        raise RuntimeError("an MP4 needs the program ffmpeg, which is not installed; give a .gif")
+def _write_mp4(frames: Iterator[Any], file: IO[bytes]) -> None:
     first = next(frames)
     size = f"{first.width}x{first.height}"
     source = f"-f rawvideo -pix_fmt rgb24 -s {size} -r {10**6 // FRAME_US} -i -".split()
-    target = ["-pix_fmt", "yuv420p", "-movflags", "+faststart", os.fspath(file.absolute())]
-    with subprocess.Popen(
-        [program, "-y", "-loglevel", "error", *source, *target], stdin=subprocess.PIPE
-    ) as process:
+    target = ["-pix_fmt", "yuv420p", "-movflags", "+faststart", "-f", "mp4"]
+    command = ["ffmpeg", "-y", "-loglevel", "error", *source, *target, os.path.abspath(file.name)]
+    with subprocess.Popen(command, stdin=subprocess.PIPE) as process:
         pipe: Any = process.stdin
         with suppress(BrokenPipeError), pipe:  # its code tells what was wrong
             for frame in chain([first], frames):
                 pipe.write(frame.tobytes())
     if process.returncode:
-        raise RuntimeError(f"{file}: ffmpeg ended with code {process.returncode}")
+        raise RuntimeError(f"{file.name}: ffmpeg ended with code {process.returncode}")
 
 
 def _frames(run: Run) -> Iterator[Any]:
