@@ -44,6 +44,12 @@ def plain(summary: Any) -> Any:
 # ---- wrong use ------------------------------------------------------------------------------
 
 
+def test_wrong_use_is_one_line(call: Call) -> None:
+    for arguments in ("run f --latency -5ms", "run f --scheme deadlin", "compare f", "fly"):
+        code, out, err = call(*arguments.split())
+        assert (code, out, err.count("\n")) == (2, "", 1)
+
+
 def test_version(call: Call) -> None:
     assert call("--version") == (0, f"asap {asap.__version__}\n", "")
 
@@ -55,7 +61,7 @@ def test_version(call: Call) -> None:
         ("fly", "invalid choice"),
         ("run", "give one of FILE"),
         ("run f --latency 10", "latency = 10: the unit is missing, for example 10ms"),
-        ("run f --latency -1ms", "expected one argument"),
+        ("run f --latency -1ms", "latency = -1ms: "),
         ("run f --cost 100+300", "cost, per package = 100: the unit is missing"),
         ("run f --cost 100us", "cost = 100us: write time per package + time per event"),
         ("run f --scheme asap2021", "invalid choice: 'asap2021'"),

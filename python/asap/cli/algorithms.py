@@ -146,6 +146,11 @@ def _imported(spec: str) -> Any:
         found = attrgetter(name)(importlib.import_module(module))
         if not isinstance(found, type):
             _checks.worker("algorithm", found)
+    except ModuleNotFoundError as error:
+        if error.name is None or not f"{module}.".startswith(f"{error.name}."):
+            raise _failed(USAGE, spec) from error  # of what the module imports
+        words = f"there is no module {error.name} in {here} or on Python's path"
+        raise Failure(USAGE, f"--algorithm {spec}: {words}") from error
     except Exception as error:
         raise _failed(USAGE, spec) from error
     return found
