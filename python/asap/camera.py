@@ -209,14 +209,17 @@ class Camera:
 
         Events that waited before are left out. One camera feeds one pipeline at a time.
         """
-        if self._thread is not None or self._state != "open":
-            state = self._state if self._thread is None else "it feeds a pipeline already"
-            raise RuntimeError(f"feed: {self}: {state}; open it once for each pipeline")
+        self._check_free("feed")
         self._stale = True
         end_s = math.inf if duration_s is None else time.monotonic() + duration_s
         self.pipeline = pipeline
         self._thread = threading.Thread(target=self._grab, args=(pipeline, end_s), name=str(self))
         self._thread.start()
+
+    def _check_free(self, what: str) -> None:
+        if self._thread is not None or self._state != "open":
+            state = self._state if self._thread is None else "it feeds a pipeline already"
+            raise RuntimeError(f"{what}: {self}: {state}; open it once for each pipeline")
 
     def _grab(self, pipeline: Pipeline, end_s: float) -> None:
         main = threading.main_thread()
@@ -237,6 +240,7 @@ class Camera:
 
     def run(self, on_progress: Any, **options: Any) -> Run:
         """Run for `asap.run`, which says what the arguments are."""
+        self._check_free("run")
         return CameraRun(camera=self, **options).run_camera(on_progress)
 
     def release(self) -> None:

@@ -292,6 +292,14 @@ def test_run_refuses_what_a_camera_has_not(given: Any, attach: Callable[..., Dri
         asap.run(camera, algorithm=len, **given)
 
 
+def test_a_closed_camera_is_refused_by_its_state(attach: Callable[..., Driver]) -> None:
+    attach("events")
+    camera = asap.open_camera()
+    camera.close()
+    with pytest.raises(RuntimeError, match="closed"):
+        asap.run(camera, algorithm=len, latency_ms=LONG_MS)
+
+
 def test_a_camera_is_no_recording(attach: Callable[..., Driver]) -> None:
     attach()
     with asap.open_camera() as camera:
