@@ -223,6 +223,7 @@ class TestText:
             ("", "1.5", 1_500_000), ("", "15", 15), ("t,x,y,p\n", "1.5", 1_500_000),
             ("t_s,x,y,p\n", "3", 3_000_000), ("t [ms],x,y,p\n", "1.5", 1500),
             ("timestamp_ns,x,y,p\n", "1500", 2), ("time(seconds),x,y,p\n", "2", 2_000_000),
+            ("# timestamp [ms] x y polarity\n", "15", 15_000),
         ],
     )  # fmt: skip
     def test_unit_of_time(self, tmp_path: Path, header: str, time: str, t_us: int) -> None:

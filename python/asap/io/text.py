@@ -215,7 +215,7 @@ def _separator(text: bytes) -> bytes:
 
 def _names(text: bytes, *, commented: bool) -> list[str]:
     """Column names of a header line; of a comment only if they contain t, x and y."""
-    line = text.decode("utf-8", "replace").lower()
+    line = re.sub(r"\s+(?=[\[(])", "", text.decode("utf-8", "replace").lower())  # before a unit
     split = re.split(r"[,;]", line) if re.search(r"[,;]", line) else line.split()
     names = [name.strip().strip("\"'") for name in split]
     return names if _name_events(names) or not commented else []
