@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import os
 import zipfile
 from decimal import Decimal
 from pathlib import Path
@@ -80,11 +81,15 @@ def test_every_format_stands_in_the_table_of_the_page() -> None:
 
 
 class TestNpy:
-    def test_own_dtype_is_mapped_not_copied(self, tmp_path: Path) -> None:
-        np.save(tmp_path / "events.npy", EVENTS)
-        (chunk,) = asap.read(tmp_path / "events.npy")
-        assert not chunk.flags.writeable
-        assert not chunk.flags.owndata
+    @pytest.mark.parametrize("memory_order", ["C", "F"])
+    def test_a_file_may_become_shorter(self, tmp_path: Path, memory_order: Any) -> None:
+        rows = np.ones((300_000, 4), "i8", memory_order)
+        np.save(tmp_path / "events.npy", rows)
+        chunks = iter(asap.read(tmp_path / "events.npy", order="txyp"))
+        next(chunks)
+        os.truncate(tmp_path / "events.npy", 1000)
+        with pytest.raises(asap.io.CorruptFile, match=r"byte 1000: .*shorter"):
+            list(chunks)
 
     @pytest.mark.parametrize("memory_order", ["C", "F"])
     def test_rows_with_order(self, tmp_path: Path, memory_order: Any) -> None:

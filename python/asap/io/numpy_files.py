@@ -1,4 +1,4 @@
-"""NumPy files: ``.npy``, mapped in pieces, and ``.npz``, read in pieces.
+"""NumPy files: ``.npy`` and ``.npz``, read in pieces.
 
 Sizes in the headers are never trusted: they are compared with the bytes that are there before
 anything is allocated. Nothing is unpickled.
@@ -7,13 +7,12 @@ anything is allocated. Nothing is unpickled.
 from __future__ import annotations
 
 import math
-import mmap
 import zipfile
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import IO, Any, Literal
+from typing import IO, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -101,7 +100,7 @@ class NpyReader:
         file_columns(path, rows, options.order, first=1)
 
     def chunks(self, losses: Losses, from_us: int | None = None) -> Iterator[Events]:
-        """Map the file window by window and convert it piece by piece."""
+        """Read window by window and convert piece by piece."""
         begin, header = 0, self._header
         if from_us is not None and not header.is_by_columns:
             counted = replace(losses, room=new_room)  # of which nothing is taken
@@ -111,9 +110,7 @@ class NpyReader:
                 return first_us(events_of(rows, self._options, counted, row + 1))
 
             begin = row_before(time_of, self.expected, from_us) // CHUNK * CHUNK
-        whole = [(0, self.expected)]  # a column does not lie in one window
-        by_rows = windows(begin, self.expected, header.row_bytes, CHUNK)
-        for first, stop in whole if header.is_by_columns else by_rows:
+        for first, stop in windows(begin, self.expected, header.row_bytes, CHUNK):
             yield from pieces_of(self._rows(first, stop), self._options, losses, first)
         if self._zeros:
             losses.zeros(max(self._zeros, header.end))
@@ -126,8 +123,19 @@ class NpyReader:
         if 0 in shape or header.dtype.itemsize == 0:
             with foreign(self._path, header.end):
                 return np.empty(shape, header.dtype)
-        offset = header.end + first * header.row_bytes
-        return mapped(self._path, header.dtype, offset, shape, "F" if header.fortran else "C")
+        if not header.is_by_columns:
+            return self._values(first * math.prod(shape[1:]), shape)
+        columns = range(first, math.prod(header.shape), header.shape[0])
+        return np.stack([self._values(at, shape[:1]) for at in columns], axis=1)
+
+    def _values(self, first: int, shape: tuple[int, ...]) -> npt.NDArray[Any]:
+        """Read, not map: a file that another program cuts would end the interpreter."""
+        dtype, offset = self._header.dtype, self._header.end + first * self._header.dtype.itemsize
+        values: npt.NDArray[Any] = np.fromfile(self._path, dtype, math.prod(shape), offset=offset)
+        if values.size < math.prod(shape):
+            fault = "the file became shorter while it was read"
+            raise CorruptFile(self._path, self._path.stat().st_size, fault)
+        return values.reshape(shape)
 
 
 class NpzReader:
@@ -329,28 +337,11 @@ def _check_end(path: Path) -> None:
             raise cut_file(path, size, "npz", "the directory of the archive, its end, is missing")
 
 
-_WINDOW = 1 << 24  # bytes
-
-
-def mapped(
-    path: Path,
-    dtype: np.dtype[Any],
-    offset: int,
-    shape: tuple[int, ...],
-    order: Literal["C", "F"] = "C",
-) -> npt.NDArray[Any]:
-    """Map one array without reading it; its pages stay as long as a view of it."""
-    size = dtype.itemsize * math.prod(shape)
-    into_page = offset % mmap.ALLOCATIONGRANULARITY
-    start = offset - into_page
-    with path.open("rb") as file:
-        pages = mmap.mmap(file.fileno(), into_page + size, offset=start, access=mmap.ACCESS_READ)
-    array: npt.NDArray[Any] = np.ndarray(shape, dtype, pages, into_page, order=order)
-    return array
+_WINDOW = 1 << 20  # bytes
 
 
 def windows(begin: int, rows: int, row_bytes: int, chunk: int) -> Iterator[tuple[int, int]]:
-    """Half-open ranges of rows from `begin`, multiples of `chunk`, of some megabytes each."""
+    """Half-open ranges of rows from `begin`, multiples of `chunk`, of about a megabyte."""
     step = max(_WINDOW // max(row_bytes, 1) // chunk, 1) * chunk
     for start in range(begin, rows, step):
         yield start, min(start + step, rows)

@@ -76,7 +76,7 @@ class Recording:
 
     Iterating yields arrays in ``EVENT_DTYPE`` of shape (n,), n > 0: x, y in px, p 1 = ON or 0, t in
     us and never decreasing. A clock that jumps back by 1 s or more starts a new epoch: time
-    continues 1 us after the last event. Arrays of a mapped file are read-only.
+    continues 1 us after the last event.
 
     Made by `read`.
     """
