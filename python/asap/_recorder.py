@@ -18,6 +18,7 @@ from asap.io.writers import Growing
 
 _GROWING = ("npy", "csv", "es", "evt3", "aedat4")  # can be read while they are written
 _MOST_PACKETS = 1000  # waiting for the disk
+_PIECE = 1 << 12  # events: the most that a full disk takes of what it could hold
 
 
 class Recorder:
@@ -64,10 +65,11 @@ class Recorder:
         while (events := self._queue.get()) is not None:
             self._lost += len(events)
             good = self._door.check(as_events(events))
-            if len(good) and self._error is None:
-                yield good  # the next is asked for when this one is in the file
-                self._lost -= len(good)
-                self._written += len(good)
+            for begin in range(0, len(good) if self._error is None else 0, _PIECE):
+                piece = good[begin : begin + _PIECE]
+                yield piece  # the next is asked for when this one is in the file
+                self._lost -= len(piece)
+                self._written += len(piece)
                 self._end = self._file.tell()
 
     def _write(self) -> None:
@@ -76,7 +78,7 @@ class Recorder:
             self._write_all(self._file, good, *self._size)
         except Exception as error:
             self._error = error
-            self._file.truncate(self._end)  # to whole packets, those that are counted
+            self._file.truncate(self._end)  # to whole pieces, those that are counted
             for _ in self._good():
                 pass
 

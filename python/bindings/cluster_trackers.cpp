@@ -113,10 +113,13 @@ py::array members(const ClusterTracker& tracker, std::int64_t id) {
   return moved_to_array(std::move(found));
 }
 
-py::array_t<std::int32_t> to_objects(const ClusterTracker& tracker,
-                                     const py::array_t<std::int32_t, 0>& labels) {
-  py::array_t<std::int32_t> made(labels.attr("copy")());
-  tracker.to_objects({made.mutable_data(), static_cast<std::size_t>(made.size())});
+py::array to_objects(const ClusterTracker& tracker, const py::array& labels) {
+  if (!py::isinstance<py::array_t<std::int32_t, 0>>(labels)) {
+    throw py::type_error("labels: not int32. Give what `process` returned.");
+  }
+  py::array made = labels.attr("copy")();
+  tracker.to_objects(
+      {static_cast<std::int32_t*>(made.mutable_data()), static_cast<std::size_t>(made.size())});
   return made;
 }
 
@@ -242,6 +245,11 @@ Returns
 -------
 ndarray of int32, same shape
     The id of the object whose part each cluster is now; -1: of none, or it has ended.
+
+Raises
+------
+TypeError
+    The labels are no int32.
 )")
       .def("advance_to", &ClusterTracker::advance_to, py::arg("t_us").noconvert(),
            R"(Time has come to t_us, us, without events: clusters starve, coast and die.

@@ -396,7 +396,10 @@ MUTANTS: list[Mutant] = [
     *in_file(
         SOURCE + "formats/aedat2.cpp",
         "formats",
-        clock_that_goes_back_wraps=("t += static_cast<std::int32_t>(step);", "t += step;"),
+        wrap_of_aedat2_forgotten=(
+            "t = unwrapped(t, static_cast<std::uint32_t>(word), std::int64_t{1} << 32);",
+            "t = static_cast<std::uint32_t>(word);",
+        ),
         trigger_without_room_is_not_awaited=("!out.has_room_for_a_trigger()", "false"),
     ),
     *in_file(
@@ -438,7 +441,7 @@ MUTANTS: list[Mutant] = [
     *in_file(
         SOURCE + "formats/dat.cpp",
         "formats",
-        epoch_of_dat_forgotten=("t_ = epoch + last;", "t_ = last;"),
+        epoch_of_dat_forgotten=("t_ = t;", "t_ = t & (kDatRange - 1);"),
     ),
     *in_file(
         SOURCE + "formats/packets.cpp",

