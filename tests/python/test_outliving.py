@@ -205,7 +205,8 @@ def limited(limit: int) -> Callable[[], None]:
 @pytest.mark.parametrize("to", WRITERS)
 def test_a_conversion_on_a_full_disk_keeps_the_older_file(folder: Path, to: str) -> None:
     Path("out").write_bytes(OLD)
-    command = [sys.executable, "-m", "asap", "convert", "flight.npy", "out", "--format", to, *SENSOR]
+    named = ["--format", to, *SENSOR]
+    command = [sys.executable, "-m", "asap", "convert", "flight.npy", "out", *named]
     done = subprocess.run(command, capture_output=True, text=True, preexec_fn=limited(100_000))
     assert (done.returncode, done.stderr.count("\n")) == (2, 1), done.stderr
     assert done.stderr.startswith("asap: error: out: ")
