@@ -163,6 +163,9 @@ def test_packages_that_took_far_longer_are_counted() -> None:
     run = Case(outages_ms=PAUSES, noise=0.04).run()
     found = analysis.diagnose(run)
     assert found.cost.noise == pytest.approx(0.04, abs=0.01)
-    assert (found.pauses.slow, found.pauses.first) == (len(PAUSES), 0)
-    assert found.pauses.share == pytest.approx(len(PAUSES) * 0.3 / 8, rel=0.1)
-    assert f"{len(PAUSES)} packages took" in str(run)
+    starts = run.packages["start_us"] / 1000
+    ends = starts + run.packages["processing_us"] / 1000
+    met = sum(bool(((starts < end) & (ends > begin)).any()) for begin, end in PAUSES)
+    assert met >= 3 and (found.pauses.slow, found.pauses.first) == (met, 0)
+    assert found.pauses.share == pytest.approx(met * 0.3 / 8, rel=0.1)
+    assert f"{met} packages took" in str(run)
