@@ -70,8 +70,9 @@ const char* name_in(const Choices<Kind, count>& choices, Kind kind) {
 
 // ---- a row ----
 
-// Of the Value at an offset in a configuration. Nanoseconds are a number of ms in Python, another
-// duration is a number of its own unit. A Value of another type: instantiate it in keywords.cpp.
+// Returns the row of the Value at an offset in a configuration. Nanoseconds are a number of ms in
+// Python, another duration is a number of its own unit. A Value of another type: instantiate it in
+// keywords.cpp.
 template <class Value>
 Row row_of(const std::string& name, std::ptrdiff_t offset);
 
@@ -82,7 +83,7 @@ Keyword<Config> keyword(const std::string& name, Value Config::* field) {
                                   reinterpret_cast<const char*>(&config))};
 }
 
-// Of what a row of its own sets and gets.
+// Returns a keyword whose value `set` stores and `get` reads.
 template <class Config, class Set, class Get>
 Keyword<Config> keyword(const std::string& name, Set set, Get get) {
   return {{name,

@@ -1,4 +1,4 @@
-"""What is written stays and is told, however the run ends: signals, kill -9, a full disk."""
+"""Files stay and are named however a run ends: by signals, kill -9 or a full disk."""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ class SmoothGamma {
  public:
   static constexpr double kMemory = 16'000;  // events
 
-  // Of the events from now on. 0 counts as 1e-9.
+  // Sets the gamma of the events that come from now on. 0 counts as 1e-9.
   void tell(double gamma) noexcept { told_ = std::max(gamma, 1e-9); }
 
   // So many more events have come. Returns whether value() has changed.

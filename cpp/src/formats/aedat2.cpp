@@ -137,7 +137,8 @@ constexpr KnownSize kSizes[] = {
     {1280, 720, "dvs1280", Aedat2Chip::dvs1280}, {128, 128, "davis", Aedat2Chip::davis},
 };  // a DVS128 is known by its addresses
 
-// Of the size alone: 640 x 480 is a DVXplorer where the addresses are too long for a DVS640.
+// Tells the chip by its size: 640 x 480 is a DVXplorer where the addresses are too long for a
+// DVS640.
 Aedat2Chip chip_of_size(int width, int height, std::span<const std::byte> records) noexcept {
   const auto* const known = std::ranges::find_if(
       kSizes, [&](const KnownSize& size) { return size.width == width && size.height == height; });

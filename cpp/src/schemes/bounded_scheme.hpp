@@ -48,7 +48,7 @@ class CostModel {
   void update(const Outcome& outcome) noexcept;
   void reset() noexcept;
 
-  // Of the mean package.
+  // The cost of the mean package, what disturbs it included.
   double alpha_ns() const noexcept { return scale_ * alpha_ns_; }
   double beta_ns() const noexcept { return scale_ * beta_ns_; }
   // The fixed cost of a package that nothing disturbs.

@@ -341,7 +341,7 @@ void feed(Algorithm& algorithm, Seen& seen, EventSpan events) {
   }
 }
 
-// What is seen of the second half of the events.
+// Returns what the algorithm says of the second half of the events.
 template <class Algorithm>
 Seen second_half(Algorithm& algorithm, EventSpan events) {
   Seen memory, seen;

@@ -138,7 +138,7 @@ class Pipeline {
 
   bool is_open() const noexcept;
   Ledger ledger() const;
-  // Of one moment: stats.latency.count() == stats.ledger.delivered.
+  // All figures are of one moment: stats.latency.count() == stats.ledger.delivered.
   PipelineStats stats() const;
   // Overwrites `stats`, an object that is used again and again: allocates nothing.
   void stats(PipelineStats& stats) const;
