@@ -11,7 +11,7 @@
 #include "asap/core/time.hpp"
 #include "core/check.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 // ---- the smallest latency ----
 
@@ -287,4 +287,4 @@ std::uint64_t exact_clairvoyant(EventSpan events, const LinearCost& cost, double
   return programme.max();
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -8,7 +8,7 @@
 #include "asap/core/event.hpp"
 #include "asap/runner/simulator.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 // The smallest possible maximum latency of a window when nothing is dropped: the least L for which
 // packages exist that finish every event within L of its stamp. Found by bisection; a dynamic
@@ -35,4 +35,4 @@ inline constexpr double kMaxExactSteps = 8e10;  // a minute at most
 std::uint64_t exact_clairvoyant(EventSpan events, const LinearCost& cost, double latency_us,
                                 double max_steps = kMaxExactSteps);
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

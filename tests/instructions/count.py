@@ -25,11 +25,11 @@ MOST_RISE = 1.02
 
 WHAT = ("keep", "thin", "deadline")
 STAGES = {
-    "push": "asap::Pipeline::push*",  # validate, into the ring
-    "next": "asap::Pipeline::next*",  # decide, filter, pack
-    "complete": "asap::Pipeline::complete*",  # feed back, book
+    "push": "asap::*::Pipeline::push*",  # validate, into the ring
+    "next": "asap::*::Pipeline::next*",  # decide, filter, pack
+    "complete": "asap::*::Pipeline::complete*",  # feed back, book
 }
-DECISION = ("asap::LearningScheme::decide*", "asap::LearningScheme::observe*")
+DECISION = ("asap::*::LearningScheme::decide*", "asap::*::LearningScheme::observe*")
 # Instructions by the number of events that come at once, by any compiler. The aim is 2000 for all;
 # in overload, 40,000, Deadline plays its plans forward.
 MOST_PER_DECISION = {10: 2000, 1000: 2000, 10_000: 2000, 40_000: 2900}

@@ -316,6 +316,16 @@ def test_version_is_the_same_everywhere() -> None:
     assert f'version = "{written[1]}"\n' in laboratory
     assert f'"asap-events=={written[1]}"' in laboratory
     assert f"## [{written[1]}]" in (ROOT / "CHANGELOG.md").read_text()
+    major, minor, _ = written[1].split(".")
+    opened = {
+        name
+        for folder in ("include", "src")
+        for path in (ROOT / "cpp" / folder).rglob("*.[ch]pp*")
+        for name in re.findall(
+            r"^namespace (asap\b[\w: ]*?)(?:::[a-z]+)? {$", path.read_text(), re.M
+        )
+    }
+    assert opened == {f"asap::inline v{major}_{minor}"}
     for package in NODES:
         if (package / "package.xml").exists():
             assert f"<version>{written[1]}</version>" in (package / "package.xml").read_text()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import platform
 import re
+import shutil
 from pathlib import Path
 
 import pytest
@@ -167,11 +168,59 @@ def test_a_shared_library_exports_none_of_ours(prefix: Path, tmp_path: Path) -> 
     assert [line for line in exported.splitlines() if re.match(r"\S+ \S asap::", line)] == []
 
 
+PART = """#include <asap/runner/pipeline.hpp>
+#include <asap/version.hpp>
+#include <string>
+std::string NAME() {
+  asap::Pipeline pipeline{{.capacity = 100}, [](asap::EventSpan) {}};
+  const asap::Event event{.x = 1, .y = 1, .p = 1, .t = 1};
+  pipeline.push({&event, 1});
+  pipeline.stop();
+  pipeline.join();
+  return std::to_string(pipeline.ledger().delivered) + " by " + std::string(asap::kVersion);
+}
+"""
+MAIN = """#include <cstdio>
+#include <string>
+std::string ours();
+std::string another();
+int main() { std::printf("%s, %s", ours().c_str(), another().c_str()); }
+"""
+
+
+def test_two_versions_run_in_one_process(prefix: Path, tmp_path: Path) -> None:
+    source = tmp_path / "source"
+    shutil.copytree(ROOT / "cpp", source / "cpp")
+    for name in ("CMakeLists.txt", "pyproject.toml", "LICENSE"):
+        shutil.copy(ROOT / name, source)
+    (project := source / "pyproject.toml").write_text(
+        project.read_text().replace(f'version = "{asap.__version__}"', 'version = "99.9.0"')
+    )
+    for path in source.rglob("*.[ch]pp*"):
+        path.write_text(re.sub(r"asap::inline v\d+_\d+", "asap::inline v99_9", path.read_text()))
+    cmake(source, tmp_path / "build", CMAKE_UNITY_BUILD="ON", ASAP_ALGORITHMS="OFF")
+    run(["cmake", "--install", tmp_path / "build", "--prefix", tmp_path / "another"])
+
+    parts = {"ours": prefix, "another": tmp_path / "another"}
+    cores = [core for folder in parts.values() for core in folder.rglob("libasap_core.a")]
+    compiler = ["c++", "-std=c++20", "-pthread"]
+    for name, folder in parts.items():
+        (tmp_path / f"{name}.cpp").write_text(PART.replace("NAME", name))
+        part = ["-c", tmp_path / f"{name}.cpp", "-o", tmp_path / f"{name}.o"]
+        run([*compiler, f"-I{folder / 'include'}", *part])
+    (tmp_path / "main.cpp").write_text(MAIN)
+    objects = [tmp_path / "main.cpp", *(tmp_path / f"{name}.o" for name in parts)]
+    run([*compiler, *objects, *cores, "-o", tmp_path / "both"])
+    assert run([tmp_path / "both"]) == f"1 by {asap.__version__}, 1 by 99.9.0"
+
+
 def test_the_core_holds_neither_formats_nor_scenes(prefix: Path) -> None:
     (core,) = prefix.rglob("libasap_core.a")
     names = run(["nm", "--demangle", "--defined-only", core])
-    assert "asap::Deadline::Deadline" in names
-    assert not re.search(r"asap::(Evt3Decoder|Encoder|FlightOverChairs|PoissonArrivals)::", names)
+    assert re.search(r"asap::v\d+_\d+::Deadline::Deadline", names)
+    assert not re.search(
+        r"asap::\w+::(Evt3Decoder|Encoder|FlightOverChairs|PoissonArrivals)::", names
+    )
 
 
 def test_algorithms_may_be_optional(prefix: Path, tmp_path: Path) -> None:

@@ -14,7 +14,7 @@
 #include "asap/core/event.hpp"
 #include "core/check.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 class ArcFilter {
  public:
@@ -49,4 +49,4 @@ class ArcFilter {
   RecentTimes times_;  // OFF and ON of a pixel side by side
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

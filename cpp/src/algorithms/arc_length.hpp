@@ -15,7 +15,7 @@
 
 #include "algorithms/corner_ring.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 template <class Ring>
 int arc_length(const Ring& ring, int shortest) noexcept {
@@ -74,4 +74,4 @@ inline bool has_corner_arcs(const OrderSurface::Number* centre, std::ptrdiff_t s
   return outer <= 8 || (12 <= outer && outer <= 16);
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -6,7 +6,7 @@
 #include "algorithms/smooth_gamma.hpp"
 #include "core/check.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 namespace {
 
 using Time = RecentTimes::Time;
@@ -114,4 +114,4 @@ const BackgroundActivityFilter::Config& BackgroundActivityFilter::config() const
   return impl_->config;
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -11,7 +11,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 class CellGrid {
  public:
@@ -68,4 +68,4 @@ class CellGrid {
   std::vector<Cell> row_;
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

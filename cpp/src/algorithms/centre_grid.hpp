@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 class CentreGrid {
  public:
@@ -52,4 +52,4 @@ class CentreGrid {
   std::vector<Node> nodes_;
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

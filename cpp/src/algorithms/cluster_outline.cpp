@@ -4,7 +4,7 @@
 
 #include "asap/algorithms/cluster_tracker.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 ClusterOutline outline_of(const Cluster& cluster) noexcept {
   Eigen::Matrix2d covariance;
@@ -26,4 +26,4 @@ std::optional<ClusterOutline> outline_of(std::int64_t id,
   return found == clusters.end() ? std::nullopt : std::optional(outline_of(*found));
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

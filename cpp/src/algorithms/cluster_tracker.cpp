@@ -8,7 +8,7 @@
 #include "core/check.hpp"
 #include "core/made.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 namespace {
 
@@ -171,4 +171,4 @@ template Result<ClusterTracker> make_tracker<ClusterTracker>(const ClusterTracke
 template Result<PublishedClusterTracker> make_tracker<PublishedClusterTracker>(
     const PublishedClusterTrackerConfig&) noexcept;
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -11,7 +11,7 @@
 #include "algorithms/sensor_frame.hpp"
 #include "core/check.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 namespace {
 
 using Number = OrderSurface::Number;
@@ -229,4 +229,4 @@ template class CornerDetector<ArcStarRule, ArcStarConfig>;
 template class CornerDetector<EHarrisRule, EHarrisConfig>;
 template class CornerDetector<FAHarrisRule, FAHarrisConfig>;
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -14,7 +14,7 @@
 #include "algorithms/int4.hpp"
 #include "algorithms/order_surface.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 struct RingPixel {
   int dx;
@@ -126,4 +126,4 @@ class GrowingArc {
   int length_ = 1;
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

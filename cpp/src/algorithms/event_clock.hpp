@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <limits>
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 // later - earlier, without overflow.
 constexpr std::uint64_t distance_us(std::int64_t earlier, std::int64_t later) noexcept {
@@ -67,4 +67,4 @@ class EventClock {
   std::uint64_t now_us_ = kOrigin_us;
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

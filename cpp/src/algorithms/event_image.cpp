@@ -8,7 +8,7 @@
 #include "algorithms/sensor_frame.hpp"
 #include "core/check.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 namespace {
 
 constexpr std::int64_t kMaxCount = 1 << 24;  // floats count no further
@@ -218,4 +218,4 @@ std::uint64_t EventImage::rejected() const noexcept { return impl_->rejected; }
 
 const EventImage::Config& EventImage::config() const noexcept { return impl_->config; }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -9,7 +9,7 @@
 #include "algorithms/sensor_frame.hpp"
 #include "core/check.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 namespace {
 
 using Ordinal = ThresholdOrdinalSurface::Value;
@@ -187,4 +187,4 @@ void EventSurface<Rule, Configuration, Pixel>::reset() noexcept {
 template class EventSurface<ThresholdOrdinalRule, ThresholdOrdinalSurfaceConfig, Ordinal>;
 template class EventSurface<SpeedInvariantTimeRule, SpeedInvariantTimeSurfaceConfig, Rank>;
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -11,7 +11,7 @@
 
 #include "asap/core/event.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 class EventWindow {
  public:
@@ -98,4 +98,4 @@ class EventWindow {
   bool full_ = false;
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -12,7 +12,7 @@
 #include "asap/algorithms/corner_detector.hpp"
 #include "core/check.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 class FeatureTracker::Impl {
   // The detector that takes every event of the frame for a corner.
@@ -126,4 +126,4 @@ std::uint64_t FeatureTracker::rejected() const noexcept {
 
 const FeatureTracker::Config& FeatureTracker::config() const noexcept { return impl_->config; }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

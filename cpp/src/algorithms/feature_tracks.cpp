@@ -5,7 +5,7 @@
 
 #include "core/check.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 namespace {
 
 constexpr std::int64_t kNever_us = std::numeric_limits<std::int64_t>::min();
@@ -219,4 +219,4 @@ void FeatureTracks::clear() noexcept {
   created_ = 0;
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

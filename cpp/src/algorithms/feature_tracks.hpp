@@ -15,7 +15,7 @@
 #include "asap/algorithms/feature_tracker.hpp"
 #include "asap/core/event.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 // The velocity of a point from its positions, by regression of x and y on t in which an older
 // position weighs less: by memory / (memory + dt) with every step dt. Times count from the newest
@@ -129,4 +129,4 @@ class FeatureTracks {
   std::uint64_t created_ = 0;
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -8,7 +8,7 @@
 
 #include "core/check.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 namespace {
 
 // Five columns of gradients, so placed that columns of equal weight stand four lanes apart: 2, 1, 0
@@ -105,4 +105,4 @@ double harris_score(const PatchRows& rows) noexcept {
   return a * d - b * b - 0.04 * (a + d) * (a + d);
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -7,11 +7,11 @@
 
 #include "algorithms/newest_patch.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 double harris_score(const PatchRows& rows) noexcept;
 
 // A threshold of the score. Throws std::invalid_argument that names it, unless it is finite.
 double checked_threshold(double threshold);
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

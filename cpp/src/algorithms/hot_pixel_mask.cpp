@@ -5,7 +5,7 @@
 #include "algorithms/sensor_frame.hpp"
 #include "core/check.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 namespace {
 
 constexpr std::int64_t kMaxLearnEvents = 1'000'000'000;  // cells count up to 2^31 - 1
@@ -177,4 +177,4 @@ std::uint64_t HotPixelMask::rejected() const noexcept { return impl_->rejected; 
 
 const HotPixelMask::Config& HotPixelMask::config() const noexcept { return impl_->config; }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

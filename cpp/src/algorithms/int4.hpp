@@ -12,7 +12,7 @@
 #include <emmintrin.h>
 #endif
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 struct PortableInt4 {
   using Lanes = std::array<std::int32_t, 4>;
@@ -131,4 +131,4 @@ using Int4 = Sse2Int4;
 using Int4 = PortableInt4;
 #endif
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

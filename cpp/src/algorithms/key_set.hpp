@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 class KeySet {
  public:
@@ -52,4 +52,4 @@ class KeySet {
   std::uint64_t words_[2] = {0, 0};
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -14,7 +14,7 @@
 #include "asap/algorithms/plane_flow.hpp"
 #include "core/check.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 namespace {
 
 using motion::FlowSample;
@@ -198,4 +198,4 @@ std::uint64_t MotionSegmenter::rejected() const noexcept { return impl_->flow.re
 
 const MotionSegmenter::Config& MotionSegmenter::config() const noexcept { return impl_->config; }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -5,7 +5,7 @@
 
 #include "algorithms/int4.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 namespace {
 
 using Number = OrderSurface::Number;
@@ -85,4 +85,4 @@ bool NewestPatch::select(const Number* centre, std::ptrdiff_t stride, PatchRows&
   return true;
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

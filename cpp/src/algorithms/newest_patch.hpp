@@ -9,7 +9,7 @@
 
 #include "algorithms/order_surface.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 // Bit x of rows[y] is the pixel at (x - 4, y - 4) from the centre.
 using PatchRows = std::array<std::uint32_t, 9>;
@@ -30,4 +30,4 @@ class NewestPatch {
   OrderSurface::Number depth_ = kFirstDepth;  // how far the last bar lay below the newest number
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

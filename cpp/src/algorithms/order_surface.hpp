@@ -16,7 +16,7 @@
 #include "algorithms/sensor_frame.hpp"
 #include "asap/core/event.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 class OrderSurface {
  public:
@@ -94,4 +94,4 @@ inline void OrderSurface::renumber() noexcept {
   newest_ = kFirst + static_cast<Number>(last - first);
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -14,7 +14,7 @@
 #include "asap/core/event.hpp"
 #include "core/check.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 template <class Value>
 class PaddedPlane {
@@ -62,4 +62,4 @@ class PaddedPlane {
   std::vector<Value> values_;
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

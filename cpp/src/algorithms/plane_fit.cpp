@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
-namespace asap {
+namespace asap::inline v0_1 {
 namespace {
 
 constexpr std::size_t kSide = PlaneFit::kSide;
@@ -124,4 +124,4 @@ int PlaneFit::drop_outliers(const TimePlane& plane) noexcept {
   return dropped;
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

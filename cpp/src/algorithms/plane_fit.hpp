@@ -10,7 +10,7 @@
 
 #include "algorithms/recent_times.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 // Around the centre of the window, whose time is 0.
 struct TimePlane {
@@ -45,4 +45,4 @@ class PlaneFit {
   std::array<Row, kSide> times_;  // us since the centre's; 0 if not used
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -6,7 +6,7 @@
 #include "algorithms/trimmed_plane_fit.hpp"
 #include "core/check.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 namespace {
 
 constexpr std::size_t kBorder = TrimmedPlaneFit::kReach;
@@ -132,4 +132,4 @@ std::uint64_t PlaneFlow::rejected() const noexcept { return impl_->rejected; }
 
 const PlaneFlow::Config& PlaneFlow::config() const noexcept { return impl_->config; }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -12,7 +12,7 @@
 #include "algorithms/key_set.hpp"
 #include "core/random.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 // Names one draw, whatever the order in which the draws of an event are made.
 struct ProbeDraw {
@@ -130,4 +130,4 @@ class ProbeIndex {
   std::vector<std::uint16_t> places_;  // [position]: place of the event among its key's members
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -7,7 +7,7 @@
 #include "asap/algorithms/cluster_tracker.hpp"
 #include "core/check.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 namespace {
 
 const PublishedClusterTrackerConfig& checked(const PublishedClusterTrackerConfig& config) {
@@ -106,4 +106,4 @@ const PublishedClusterTracker::Config& PublishedClusterTracker::config() const n
   return impl_->config();
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

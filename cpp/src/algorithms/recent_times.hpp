@@ -13,7 +13,7 @@
 
 #include "algorithms/event_clock.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 class RecentTimes {
  public:
@@ -83,4 +83,4 @@ inline RecentTimes::Time RecentTimes::move_origin() noexcept {
   return static_cast<Time>(kNow);
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

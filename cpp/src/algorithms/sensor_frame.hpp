@@ -7,7 +7,7 @@
 #include "asap/core/event.hpp"
 #include "core/check.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 class SensorFrame {
  public:
@@ -37,4 +37,4 @@ class SensorFrame {
   std::uint32_t height_;
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

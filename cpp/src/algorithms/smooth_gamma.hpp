@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <cstddef>
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 class SmoothGamma {
  public:
@@ -36,4 +36,4 @@ class SmoothGamma {
   double seen_ = 0;  // events that value_ is the mean of, up to kMemory
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 // What a pixel of the window adds to the normal equations of a plane.
 struct WindowPixel {
@@ -115,4 +115,4 @@ bool TrimmedPlaneFit::drop_outliers(double mean_square) noexcept {
   return std::exchange(size_, kept) != kept;
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -14,7 +14,7 @@
 #include "algorithms/plane_fit.hpp"
 #include "algorithms/recent_times.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 struct WindowPixel;
 
@@ -49,4 +49,4 @@ class TrimmedPlaneFit {
   Eigen::Vector3d right_ = Eigen::Vector3d::Zero();
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -22,7 +22,7 @@
 #include "asap/algorithms/published_cluster_tracker.hpp"
 #include "asap/core/event.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 template <class Sampler = UniformProbe>
 class WindowClusterer {
@@ -367,4 +367,4 @@ class WindowClusterer {
   std::int32_t next_id_ = 0;
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -1,6 +1,6 @@
 #include "algorithms/window_moments.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 namespace {
 
 double as_signed(std::uint64_t value) {
@@ -82,4 +82,4 @@ Vector2 chain_velocity(const EventWindow& window, EventWindow::Position newest,
   return moments.resolves(span) ? moments.velocity(now) : walked_velocity(window, newest, moments);
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

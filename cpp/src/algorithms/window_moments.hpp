@@ -10,7 +10,7 @@
 
 #include "algorithms/event_window.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 struct Vector2 {
   double x;
@@ -92,4 +92,4 @@ class WindowMoments {
 Vector2 chain_velocity(const EventWindow& window, EventWindow::Position newest,
                        const WindowMoments& moments) noexcept;
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

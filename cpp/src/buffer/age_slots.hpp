@@ -22,7 +22,7 @@
 #include "asap/core/time.hpp"
 #include "core/check.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 class AgeSlots {
  public:
@@ -131,4 +131,4 @@ class AgeSlots {
   std::int64_t next_ns_ = std::numeric_limits<std::int64_t>::min();  // the producer's own
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

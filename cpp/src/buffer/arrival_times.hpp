@@ -25,7 +25,7 @@
 #include "core/atomics.hpp"
 #include "core/check.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 template <class Atomics = StdAtomics, std::size_t max_steps = 8192>
 class BasicArrivalTimes {
@@ -214,4 +214,4 @@ class BasicArrivalTimes {
 
 using ArrivalTimes = BasicArrivalTimes<>;
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -33,7 +33,7 @@
 #include "core/atomics.hpp"
 #include "core/check.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 // Events in arrival order, in at most two contiguous pieces (the ring wraps once).
 struct EventPieces {
@@ -191,4 +191,4 @@ class BasicEventBuffer {
 
 using EventBuffer = BasicEventBuffer<>;
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -5,7 +5,7 @@
 
 #include <atomic>
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 struct StdAtomics {
   template <class Value>
@@ -59,4 +59,4 @@ inline void fence(std::memory_order order) noexcept { std::atomic_thread_fence(o
 #pragma GCC diagnostic pop
 #endif
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

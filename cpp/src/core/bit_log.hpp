@@ -9,7 +9,7 @@
 
 #include "asap/core/nonblocking.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 class BitLog {
  public:
@@ -40,4 +40,4 @@ class BitLog {
   std::size_t size_ = 0;
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

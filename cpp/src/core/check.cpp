@@ -2,7 +2,7 @@
 
 #include <cstdio>
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 BadValue::BadValue(std::string_view its_field, std::string_view its_value,
                    std::string_view its_unit, std::string_view its_remedy)
@@ -53,4 +53,4 @@ void detail::throw_no_memory(std::string_view field, std::size_t value, double b
   throw NoMemory(message);
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -14,7 +14,7 @@
 
 #include "asap/core/result.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 // Throws a BadValue without a unit.
 [[noreturn]] void throw_bad_value(std::string_view field, std::string_view value,
@@ -70,4 +70,4 @@ std::unique_ptr<Value[]> allocate(std::size_t count, std::string_view field, std
 
 }  // namespace detail
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

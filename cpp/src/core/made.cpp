@@ -1,6 +1,6 @@
 #include "core/made.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 namespace {
 
 template <class Copy>
@@ -27,4 +27,4 @@ Error error_of(const char* message) noexcept {
   return copied([&] { return Error{.message = message}; });
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -9,7 +9,7 @@
 
 #include "asap/core/result.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 // Copies. Where there is no memory for them: "no memory left", which needs none.
 Error error_of(const BadValue& bad) noexcept;
@@ -32,4 +32,4 @@ Result<Value> made(Make&& make) noexcept {
   }
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

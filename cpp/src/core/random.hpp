@@ -5,7 +5,7 @@
 
 #include <cstdint>
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 namespace detail {
 
@@ -37,4 +37,4 @@ class CounterRandom {
   std::uint64_t key_;
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -5,7 +5,7 @@
 #include "core/check.hpp"
 #include "core/random.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 namespace {
 
 // Precondition: the threshold does not keep all. Then its double has 64 bits, and none is lost.
@@ -61,4 +61,4 @@ KeepThreshold GammaFilter::keeping(std::size_t count, std::size_t events,
   return KeepThreshold{numbers[count]};
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

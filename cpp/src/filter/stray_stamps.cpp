@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 namespace {
 
@@ -120,4 +120,4 @@ Checked check_recorded(Validator& validator, EventSpan events) {
   return checked;
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

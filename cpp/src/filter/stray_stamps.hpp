@@ -12,7 +12,7 @@
 #include "asap/core/event.hpp"
 #include "asap/filter/validator.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 // Indices of the stray ones among events that come next to `validator`. At most kMaxStray in a row
 // are stray: a word of Prophesee's that states the time counts for about 400 events.
@@ -30,4 +30,4 @@ Checked check_all(Validator& validator, EventSpan events);
 // For a chunk of a recording: without those that are stray.
 Checked check_recorded(Validator& validator, EventSpan events);
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -7,7 +7,7 @@
 #include "core/bit_log.hpp"
 #include "core/check.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 namespace {
 
@@ -225,4 +225,4 @@ void Validator::refuse(const Event& event, Fault fault) const {
                       "; sort the events, raise the reorder tolerance, or drop with on_bad = drop");
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -12,7 +12,7 @@
 #include "formats/records.hpp"
 #include "formats/words.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 namespace {
 
@@ -269,4 +269,4 @@ std::size_t Aedat2Decoder::decode_bytes(std::span<const std::byte> bytes, Output
 
 template class NativeDecoder<Aedat2Decoder, Aedat2Config, 8>;
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

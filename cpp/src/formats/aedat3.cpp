@@ -14,7 +14,7 @@
 #include "formats/records.hpp"
 #include "formats/words.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 namespace {
 
@@ -244,4 +244,4 @@ std::size_t Aedat3Decoder::take_header(std::span<const std::byte> bytes) noexcep
 
 template class NativeDecoder<Aedat3Decoder, Aedat3Config, 28>;
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 namespace {
 
@@ -63,4 +63,4 @@ std::optional<std::string_view> aedat_line(std::string_view text) noexcept {
   return text.substr(0, static_cast<std::size_t>(end - text.begin()) + 1);
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

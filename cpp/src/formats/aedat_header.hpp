@@ -10,7 +10,7 @@
 
 #include "asap/formats/aedat.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 struct AedatSensor {
   int width, height;          // px; 0 where the name does not say
@@ -31,4 +31,4 @@ inline std::string_view text_of(std::span<const std::byte> bytes) noexcept {
 // `text` ends inside the line.
 std::optional<std::string_view> aedat_line(std::string_view text) noexcept;
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

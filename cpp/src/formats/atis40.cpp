@@ -8,7 +8,7 @@
 #include "formats/records.hpp"
 #include "formats/words.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 namespace {
 
@@ -77,4 +77,4 @@ OpenedRecording Atis40Decoder::open(const RecordingFile& file) {
 
 template class NativeDecoder<Atis40Decoder, Atis40Config, 5>;
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -8,7 +8,7 @@
 #include <limits>
 #include <type_traits>
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 namespace {
 
@@ -205,4 +205,4 @@ bool gather(const EventColumns& columns, std::span<Event> events) noexcept {
   return true;
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -13,7 +13,7 @@
 
 #include "asap/core/event.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 enum class Number : std::uint8_t { u8, u16, u32, u64, i8, i16, i32, i64, f64 };
 
@@ -39,4 +39,4 @@ struct EventColumns {
 // an event can hold; the contents of `events` are unspecified then.
 [[nodiscard]] bool gather(const EventColumns& columns, std::span<Event> events) noexcept;
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

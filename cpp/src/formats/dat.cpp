@@ -4,7 +4,7 @@
 #include "formats/opener.hpp"
 #include "formats/words.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 namespace {
 
@@ -110,4 +110,4 @@ std::size_t DatDecoder::decode_version(const std::byte* first, std::size_t count
 
 template class NativeDecoder<DatDecoder, DatConfig, 8>;
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

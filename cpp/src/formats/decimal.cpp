@@ -3,7 +3,7 @@
 #include <array>
 #include <limits>
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 namespace {
 
@@ -95,4 +95,4 @@ Rounded round_decimal(const Decimal& number, int shift) noexcept {
   return {.value = signed_value(quotient + up), .exact = rest == 0 && !number.more};
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -7,7 +7,7 @@
 
 #include <cstdint>
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 struct Decimal {
   std::uint64_t digits = 0;
@@ -30,4 +30,4 @@ struct Rounded {
 // number * 10^shift, rounded half to even.
 Rounded round_decimal(const Decimal& number, int shift) noexcept;
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

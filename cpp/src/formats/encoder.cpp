@@ -5,7 +5,7 @@
 
 #include "core/check.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 namespace {
 
@@ -223,4 +223,4 @@ Progress Encoder::encode_as(std::span<const Event> events, std::span<std::byte> 
           .events = static_cast<std::size_t>(event - events.data())};
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

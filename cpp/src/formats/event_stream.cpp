@@ -8,7 +8,7 @@
 #include "formats/records.hpp"
 #include "formats/words.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 namespace {
 
@@ -136,4 +136,4 @@ std::size_t EventStreamDecoder::decode_bytes(std::span<const std::byte> bytes,
 
 template class NativeDecoder<EventStreamDecoder, EventStreamConfig, 5>;
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

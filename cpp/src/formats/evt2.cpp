@@ -2,7 +2,7 @@
 
 #include "formats/words.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 namespace {
 
@@ -64,4 +64,4 @@ template class NativeDecoder<Evt2Decoder, Evt2Config, 4>;
 template class Evt2Words<Evt2Decoder, Evt2Config, 4>;
 template class Evt2Words<Evt21Decoder, Evt21Config, 8>;
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -4,7 +4,7 @@
 
 #include "formats/words.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 namespace {
 
@@ -74,4 +74,4 @@ bool Evt21Decoder::decode_any(std::uint64_t word, std::uint64_t offset, Output& 
 
 template class NativeDecoder<Evt21Decoder, Evt21Config, 8>;
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

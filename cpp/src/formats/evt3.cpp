@@ -7,7 +7,7 @@
 
 #include "formats/words.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 namespace {
 
@@ -183,4 +183,4 @@ std::size_t Evt3Decoder::decode_fast(const std::byte* first, std::size_t i, std:
 
 template class NativeDecoder<Evt3Decoder, Evt3Config, 2>;
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -9,7 +9,7 @@
 
 #include "core/check.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 namespace {
 
@@ -98,4 +98,4 @@ std::uint64_t data_end(const std::filesystem::path& path) {
   return 0;
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

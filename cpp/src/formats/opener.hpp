@@ -24,7 +24,7 @@
 #include "asap/formats/prophesee.hpp"
 #include "asap/formats/recording.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 // The formats of words. A new decoder is added here.
 using RecordingDecoder =
@@ -94,4 +94,4 @@ std::uint64_t data_end(const std::filesystem::path& path);
 std::optional<OpenedRecording> open_recording(const std::filesystem::path& path,
                                               const RecordingConfig& config);
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

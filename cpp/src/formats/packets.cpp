@@ -4,7 +4,7 @@
 
 #include "formats/words.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 namespace {
 
@@ -169,4 +169,4 @@ void DvsRecords::decode(std::size_t first, std::span<Event> events) const noexce
   }
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

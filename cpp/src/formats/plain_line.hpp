@@ -23,7 +23,7 @@
 #include <emmintrin.h>
 #endif
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 inline bool is_separator(char c) noexcept {
   constexpr std::uint64_t kSeparators = [] {
@@ -201,4 +201,4 @@ class PlainLine {
   bool plain_ = true;
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

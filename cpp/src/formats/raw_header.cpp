@@ -8,7 +8,7 @@
 #include "formats/opener.hpp"
 #include "formats/words.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 namespace {
 
@@ -192,4 +192,4 @@ OpenedRecording Evt3Decoder::open(const RecordingFile& file) {
   return open_words<Evt3Decoder>(file, RawHeader::Words::evt3);
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

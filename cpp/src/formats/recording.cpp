@@ -16,7 +16,7 @@
 #include "core/check.hpp"
 #include "formats/opener.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 namespace {
 
 using Bytes = std::span<const std::byte>;
@@ -153,4 +153,4 @@ std::uint64_t RecordingSource::bad_records() const noexcept {
 
 bool RecordingSource::is_cut() const noexcept { return impl_->is_cut; }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

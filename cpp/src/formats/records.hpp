@@ -24,7 +24,7 @@
 #include "asap/formats/decoder.hpp"
 #include "formats/words.hpp"
 
-namespace asap::records {
+namespace asap::inline v0_1::records {
 
 inline constexpr std::size_t kWord = sizeof(std::uint64_t);
 
@@ -98,4 +98,4 @@ std::size_t decode_records(Format& format, CutRecord<kCut>& cut, std::span<const
   return consumed();
 }
 
-}  // namespace asap::records
+}  // namespace asap::inline v0_1::records

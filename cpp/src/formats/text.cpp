@@ -11,7 +11,7 @@
 #include "formats/decimal.hpp"
 #include "formats/plain_line.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 namespace {
 
@@ -250,4 +250,4 @@ TextDecoder::Line TextDecoder::parse(const char* at, const char* end, Event& eve
   return Line::event;
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -17,7 +17,7 @@
 #include "asap/core/event.hpp"
 #include "asap/formats/decoder.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 template <class Word>
 Word swap_bytes(Word word) noexcept {
@@ -175,4 +175,4 @@ Progress NativeDecoder<Decoder, Config, kRecord>::decode_to(
   }
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -7,7 +7,7 @@
 
 #include "core/check.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 namespace {
 
 constexpr double kFreeNs = 1e-3;  // an event that costs less counts as free: sums stay finite
@@ -89,4 +89,4 @@ Oracle::Service Oracle::Cursor::at(std::int64_t time_ns) const noexcept {
           .free_ns = before.free_ns + (is_free ? elapsed_ns : 0)};
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

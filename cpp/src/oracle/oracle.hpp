@@ -17,7 +17,7 @@
 #include "asap/runner/simulator.hpp"
 #include "asap/schemes/scheme.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 class Oracle {
  public:
@@ -70,4 +70,4 @@ class Oracle {
   double bound_ = 0.0;
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

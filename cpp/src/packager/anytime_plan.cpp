@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace asap {
+namespace asap::inline v0_1 {
 namespace {
 
 constexpr std::size_t kMinStratum = 64;   // raw events: reading the clock must cost nothing
@@ -127,4 +127,4 @@ double AnytimePlan::keep(std::int64_t now_ns) const noexcept {
   return std::clamp(std::max(size, min) / raw, 0.0, 1.0);
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

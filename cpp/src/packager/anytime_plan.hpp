@@ -13,7 +13,7 @@
 
 #include "asap/schemes/scheme.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 class AnytimePlan {
  public:
@@ -71,4 +71,4 @@ class AnytimePlan {
   double suspect_ns_ = 0;  // of the last stratum: an outage, or events that have become dear
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -1,6 +1,6 @@
 #include "packager/books.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 void Books::stale(const Left& left) noexcept {
   rate_meter_.observe(left.count, left.oldest_ns, left.newest_ns);
@@ -90,4 +90,4 @@ std::int64_t Books::record_latencies(EventSpan events, std::int64_t end_ns,
   return kept_times.runs().front().time_ns;
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

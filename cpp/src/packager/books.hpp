@@ -14,7 +14,7 @@
 #include "telemetry/gap_meter.hpp"
 #include "telemetry/telemetry.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 class Books {
  public:
@@ -78,4 +78,4 @@ class Books {
   std::uint64_t thinned_reported_ = 0;   // events thinned out before they came to the ring
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -15,7 +15,7 @@
 #include "buffer/arrival_times.hpp"
 #include "buffer/event_buffer.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 class EventTimes {
  public:
@@ -126,4 +126,4 @@ class KeptTimes {
   std::size_t size_ = 0;
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -4,7 +4,7 @@
 
 #include "asap/core/nonblocking.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 void KeptMask::make_room(std::size_t events) {
   delivered_.make_room(events);
@@ -44,4 +44,4 @@ KeptEvents KeptMask::read() const {
   return reading;
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -17,7 +17,7 @@
 #include "buffer/event_buffer.hpp"
 #include "core/bit_log.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 class KeptMask {
  public:
@@ -53,4 +53,4 @@ class KeptMask {
   std::uint64_t open_first_ = 0;
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -7,7 +7,7 @@
 
 #include "core/check.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 namespace {
 
 constexpr std::int64_t kGraceShare = 100;  // of the latency bound: an outage is longer than that
@@ -287,4 +287,4 @@ void Packager::consume(std::size_t count) noexcept {
   times_.release(buffer_.head());
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

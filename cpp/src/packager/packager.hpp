@@ -30,7 +30,7 @@
 #include "telemetry/gap_meter.hpp"
 #include "telemetry/telemetry.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 struct PackagerConfig {
   std::uint64_t seed = 0;                    // of the gamma filter
@@ -133,4 +133,4 @@ class Packager {
   std::size_t untold_ = 0;  // events that thinning has seen since the last part handed out
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

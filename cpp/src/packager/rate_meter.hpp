@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 class RateMeter {
  public:
@@ -66,4 +66,4 @@ inline RateMeter::Window RateMeter::window() const noexcept {
   return {newest_.before - mark(oldest_).before, elapsed_ns};
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -7,7 +7,7 @@
 #include "core/check.hpp"
 #include "packager/anytime_plan.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 namespace {
 
 // The most runs of events with one arrival time that a package can have: one for each step of the
@@ -158,4 +158,4 @@ void Thinner::leave_the_ring() noexcept {
   events_ = {kept_.get(), events_.size()};
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

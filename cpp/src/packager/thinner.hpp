@@ -17,7 +17,7 @@
 #include "buffer/event_buffer.hpp"
 #include "packager/event_times.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 // Which share of raw events is wanted, by chance or, where nothing follows that could make up for
 // the chance in their number, exactly.
@@ -95,4 +95,4 @@ class Thinner {
   KeptTimes passed_times_;  // of the events behind the filter in front
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

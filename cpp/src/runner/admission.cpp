@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace asap {
+namespace asap::inline v0_1 {
 namespace {
 
 constexpr std::int64_t kMaxAsks = 100'000;  // in one silence; before that, what waited is gone
@@ -39,4 +39,4 @@ void AdmissionGate::ask(const Look& look) {
   next_ask_ns_ += admission_.period_ns();
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

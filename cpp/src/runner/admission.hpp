@@ -15,7 +15,7 @@
 #include "asap/runner/simulator.hpp"
 #include "telemetry/gap_meter.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 // What has happened since it was last asked.
 struct Arrivals {
@@ -74,4 +74,4 @@ class AdmissionGate {
   GapMeter gap_;
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -8,7 +8,7 @@
 #include "asap/core/time.hpp"
 #include "runner/system.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 class RunClock {
  public:
@@ -38,4 +38,4 @@ class RunClock {
   std::int64_t run_start_ns_ = 0;
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace asap {
+namespace asap::inline v0_1 {
 namespace {
 
 std::int64_t ns(RunClock::Steady::time_point time) noexcept {
@@ -122,4 +122,4 @@ void ConsumerLoop::run(const Consumer& algorithm, const Poll& poll) {
   }
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

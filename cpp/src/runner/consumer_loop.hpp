@@ -19,7 +19,7 @@
 #include "runner/doorbell.hpp"
 #include "runner/stall_watch.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 class ConsumerLoop {
  public:
@@ -92,4 +92,4 @@ class ConsumerLoop {
   std::atomic<std::int64_t> bound_ns_{0};  // 0: as it was
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -15,7 +15,7 @@
 #include "core/atomics.hpp"
 #include "runner/system.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 template <class Atomics = StdAtomics, class Sleep = System>
 class BasicDoorbell {
@@ -56,4 +56,4 @@ class BasicDoorbell {
 
 using Doorbell = BasicDoorbell<>;
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -5,7 +5,7 @@
 
 #include "asap/core/nonblocking.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 namespace {
 
 // The number of waiting events up to which nothing is thinned.
@@ -120,4 +120,4 @@ void Intake::leave() noexcept {
   room_.wake();
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

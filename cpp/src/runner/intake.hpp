@@ -26,7 +26,7 @@
 #include "runner/doorbell.hpp"
 #include "telemetry/gap_meter.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 class Intake {
  public:
@@ -93,4 +93,4 @@ class Intake {
   std::array<std::uint64_t, kBlock> numbers_{};
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -8,7 +8,7 @@
 #include "core/check.hpp"
 #include "core/random.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 namespace {
 
 constexpr double kEndOfTimeNs = 9.2e18;  // absurd costs end here
@@ -90,4 +90,4 @@ double LinearCost::noise_factor(std::uint64_t index) const noexcept {
   return std::nearbyint(factor * 0x1.0p24) * 0x1.0p-24;
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

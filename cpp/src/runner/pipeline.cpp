@@ -26,7 +26,7 @@
 #include "runner/sensor_delay.hpp"
 #include "schemes/scheme_hold.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 namespace {
 
 thread_local const void* worker_of = nullptr;  // whose worker this thread is
@@ -611,4 +611,4 @@ Result<Pipeline> make_pipeline(Scheme& scheme, RunConfig config, Consumer algori
       [&] { return std::make_unique<Pipeline>(scheme, std::move(config), std::move(algorithm)); });
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

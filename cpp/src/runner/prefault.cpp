@@ -7,7 +7,7 @@
 #include <link.h>
 #endif
 
-namespace asap {
+namespace asap::inline v0_1 {
 namespace {
 
 constexpr std::size_t kSmallestPage = 4096;
@@ -50,4 +50,4 @@ void touch_code() noexcept {
   for (std::size_t at = 0; at < kBytes; at += kSmallestPage) stack[at] = std::byte{0};
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

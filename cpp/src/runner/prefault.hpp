@@ -4,7 +4,7 @@
 // Any thread; no allocation.
 #pragma once
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 // Reads all pages of the program, or of the shared object, that this library is linked into. The
 // code of others, such as the C++ library, is the business of mlockall(). Linux; else nothing.
@@ -13,4 +13,4 @@ void touch_code() noexcept;
 // Writes to the next 64 KiB of the stack. The library's part of the loop takes less than 4 KiB.
 void touch_stack() noexcept;
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

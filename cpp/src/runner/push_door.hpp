@@ -11,7 +11,7 @@
 
 #include "core/atomics.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 // How wait_until_empty() waits for the producer inside.
 struct YieldingWait {
@@ -54,4 +54,4 @@ class BasicPushDoor {
 
 using PushDoor = BasicPushDoor<>;
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 ReadAhead::ReadAhead() : blocks_(kBlocks) {
   for (Block& block : blocks_) block.events = std::make_unique_for_overwrite<Event[]>(kBlockEvents);
@@ -55,4 +55,4 @@ void ReadAhead::cancel() noexcept {
   changed_.notify_all();
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -12,7 +12,7 @@
 
 #include "asap/runner/replay.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 class ReadAhead final : public EventSource {
  public:
@@ -45,4 +45,4 @@ class ReadAhead final : public EventSource {
   bool cancelled_ = false;
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

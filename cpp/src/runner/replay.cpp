@@ -18,7 +18,7 @@
 #include <sys/prctl.h>
 #endif
 
-namespace asap {
+namespace asap::inline v0_1 {
 namespace {
 
 constexpr std::int64_t kLongestChunkNs = 1'000'000;  // of stamps in one push
@@ -181,4 +181,4 @@ const RunLog& Replay::log() const noexcept { return impl_->parts().telemetry().l
 std::optional<KeptEvents> Replay::kept() const { return impl_->parts().kept(); }
 const LatencyHistogram& Replay::lateness() const noexcept { return impl_->lateness(); }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

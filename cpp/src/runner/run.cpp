@@ -8,7 +8,7 @@
 #include "runner/prefault.hpp"
 #include "runner/system.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 namespace {
 
 constexpr std::int64_t kSlotsPerBound = 64;
@@ -187,4 +187,4 @@ std::optional<KeptEvents> Run::kept() const {
   return mask_->read();
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -22,7 +22,7 @@
 #include "packager/packager.hpp"
 #include "telemetry/telemetry.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 class Run {
  public:
@@ -126,4 +126,4 @@ class Run {
   Relaxed<bool> failed_;
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

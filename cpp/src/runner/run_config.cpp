@@ -5,7 +5,7 @@
 
 #include "core/check.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 namespace {
 
 constexpr double kHighestRate = 60e6;  // events per second that a sensor is known to deliver
@@ -30,4 +30,4 @@ std::size_t ring_capacity(const RunConfig& config, std::int64_t latency_bound_ns
       std::clamp(static_cast<std::size_t>(events), kMinCapacity, 64 * kMinCapacity));
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -11,7 +11,7 @@
 
 #include "core/atomics.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 class SensorDelay {
  public:
@@ -48,4 +48,4 @@ class SensorDelay {
   Relaxed<std::int64_t> max_ns_;
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

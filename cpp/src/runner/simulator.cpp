@@ -12,7 +12,7 @@
 #include "runner/run.hpp"
 #include "telemetry/slot_log.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 namespace {
 
 constexpr std::uint64_t kNoTail = std::numeric_limits<std::uint64_t>::max();
@@ -323,4 +323,4 @@ Result<Simulator> make_simulator(Scheme& scheme, LinearCostConfig cost, RunConfi
   });
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

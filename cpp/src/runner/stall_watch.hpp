@@ -9,7 +9,7 @@
 
 #include "core/atomics.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 class StallWatch {
  public:
@@ -46,4 +46,4 @@ class StallWatch {
   bool works_ = false;  // the consumer's own
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

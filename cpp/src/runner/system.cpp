@@ -1,12 +1,12 @@
 #include "runner/system.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 System::Clock::time_point System::now() noexcept {
   return exempt([] { return Clock::now(); });  // without a system call on Linux
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1
 
 #if defined(__linux__)
 
@@ -16,7 +16,7 @@ System::Clock::time_point System::now() noexcept {
 
 #include <ctime>
 
-namespace asap {
+namespace asap::inline v0_1 {
 namespace {
 
 static_assert(sizeof(System::Word) == sizeof(std::uint32_t) && System::Word::is_always_lock_free);
@@ -38,14 +38,14 @@ void System::sleep(Word& word, Clock::time_point deadline) noexcept {
   syscall(SYS_futex, &word, FUTEX_WAIT_BITSET_PRIVATE, 1, &until, nullptr, FUTEX_BITSET_MATCH_ANY);
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1
 
 #else
 
 #include <condition_variable>
 #include <mutex>
 
-namespace asap {
+namespace asap::inline v0_1 {
 namespace {
 
 // One for all doorbells: the portable form wakes more than it must, but loses nothing.
@@ -66,6 +66,6 @@ void System::sleep(Word& word, Clock::time_point deadline) noexcept {
   woken.wait_until(lock, deadline, [&] { return word.load(std::memory_order_acquire) != 1; });
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1
 
 #endif

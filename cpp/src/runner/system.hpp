@@ -10,7 +10,7 @@
 
 #include "asap/core/nonblocking.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 // How often a thread that waits calls its poll, and sees that it is to stop.
 inline constexpr std::chrono::nanoseconds kPollEvery = std::chrono::milliseconds(20);
@@ -27,4 +27,4 @@ struct System {
   static void wake(Word& word) noexcept;
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -5,7 +5,7 @@
 
 #include "core/check.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 namespace {
 
 constexpr double kMinGamma = 0.02;
@@ -63,4 +63,4 @@ void Asap2020::adapt_gamma(const Outcome& outcome) noexcept {
                                      : std::min(1.0, kGammaRecovery * gamma_);
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

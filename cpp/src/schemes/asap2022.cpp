@@ -8,7 +8,7 @@
 #include "core/check.hpp"
 #include "schemes/driver_containers.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 namespace {
 
 constexpr double kFirstRate = 5e5;
@@ -169,4 +169,4 @@ void Asap2022Law::adapt_size(double processing_ms) noexcept {
 
 Asap2022::Asap2022(Config config) : LearningScheme(std::make_unique<Asap2022Law>(config)) {}
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

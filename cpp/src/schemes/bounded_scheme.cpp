@@ -6,7 +6,7 @@
 #include "core/check.hpp"
 #include "schemes/calibration.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 namespace {
 
 using namespace std::chrono_literals;
@@ -111,4 +111,4 @@ Decision BoundedScheme::within(double budget_ns, Decision decision) const noexce
   return decision;
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

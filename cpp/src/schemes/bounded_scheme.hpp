@@ -15,7 +15,7 @@
 #include "asap/schemes/scheme.hpp"
 #include "core/atomics.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 // CostModel: what a package of n events will cost, learned from what packages did cost,
 // c(n) = X (alpha + beta n). The line is the cost of a call that nothing disturbs; X is the mean
@@ -234,4 +234,4 @@ class BoundedScheme : public Scheme {
                 std::chrono::nanoseconds min_interval, CostModelConfig cost);
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

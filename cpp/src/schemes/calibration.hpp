@@ -7,7 +7,7 @@
 
 #include "asap/schemes/scheme.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 // Whether package `index` (from 0) is one of the first, whose cost may still be a wrong assumption.
 constexpr bool is_early(std::uint64_t index) noexcept { return index < 15; }
@@ -21,4 +21,4 @@ inline Decision safe_slice(const Decision& planned, double safe) noexcept {
   return slice;
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -7,7 +7,7 @@
 
 #include "core/check.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 namespace {
 
 constexpr double kMinAlphaNs = 200.0;
@@ -346,4 +346,4 @@ void CostModel::rebase(double factor) noexcept {
   scale_ = 1.0;
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -7,7 +7,7 @@
 #include "schemes/bounded_scheme.hpp"
 #include "schemes/calibration.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 namespace {
 
 class DeadBeatLaw final : public BoundedScheme {
@@ -110,4 +110,4 @@ double DeadBeat::beta_ns() const noexcept {
   return static_cast<const DeadBeatLaw&>(*law_).beta_ns();
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -13,7 +13,7 @@
 #include "schemes/outage_reserve.hpp"
 #include "schemes/work_by_age.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 namespace {
 
 constexpr std::array<std::string_view, 3> kPreferences{"balanced", "events", "continuity"};
@@ -410,4 +410,4 @@ double Deadline::beta_ns() const noexcept {
   return static_cast<const DeadlineLaw&>(*law_).beta_ns();
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

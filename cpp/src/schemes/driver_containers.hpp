@@ -9,7 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 class DriverContainers {
  public:
@@ -68,4 +68,4 @@ class DriverContainers {
   bool is_begun_ = false;
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -5,7 +5,7 @@
 
 #include "core/check.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 FixedSize::FixedSize(Config config) : config_(config) {
   require(config.size >= 1 && config.size <= kLargestSize, "size", config.size,
           "must be between 1 and 2^40 events");
@@ -29,4 +29,4 @@ Decision FixedTime::decide(const Backlog& backlog) noexcept {
   return Decision::take(backlog.counts.before(boundary_ns));
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -5,7 +5,7 @@
 #include "core/check.hpp"
 #include "schemes/bounded_scheme.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 namespace {
 
 class GreedyLaw final : public Scheme {
@@ -46,4 +46,4 @@ void GreedyLaw::reset(Execution) noexcept { cost_.reset(); }
 
 Greedy::Greedy(Config config) : LearningScheme(std::make_unique<GreedyLaw>(config)) {}
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

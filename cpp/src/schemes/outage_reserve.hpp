@@ -8,7 +8,7 @@
 
 #include <algorithm>
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 class OutageReserve {
  public:
@@ -35,4 +35,4 @@ class OutageReserve {
   double share_ = 0.0;
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -10,7 +10,7 @@
 #include "asap/schemes/greedy.hpp"
 #include "core/made.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 Decision LearningScheme::decide(const Backlog& backlog) noexcept { return law_->decide(backlog); }
 void LearningScheme::observe(const Outcome& outcome) noexcept { law_->observe(outcome); }
@@ -36,4 +36,4 @@ template Result<FixedTime> make_scheme<FixedTime>(const FixedTime::Config&) noex
 template Result<Greedy> make_scheme<Greedy>(const Greedy::Config&) noexcept;
 template Result<SingleEvent> make_scheme<SingleEvent>(const SingleEvent::Config&) noexcept;
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -8,7 +8,7 @@
 
 #include "asap/schemes/scheme.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 class SchemeHold {
  public:
@@ -35,4 +35,4 @@ class SchemeHold {
   bool is_held_ = false;
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -11,7 +11,7 @@
 
 #include "asap/schemes/scheme.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 class WorkByAge {
  public:
@@ -88,4 +88,4 @@ class WorkByAge {
   Curve done_;
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

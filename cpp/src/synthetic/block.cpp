@@ -5,7 +5,7 @@
 
 #include "core/check.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 TimeSortedBlock::TimeSortedBlock(std::int32_t width, std::int32_t height, std::size_t capacity)
     : width_(static_cast<std::uint32_t>(width)),
@@ -63,4 +63,4 @@ void BackgroundNoise::add_to(TimeSortedBlock& block, std::int64_t elapsed_us) co
   }
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

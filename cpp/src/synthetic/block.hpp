@@ -9,7 +9,7 @@
 #include "asap/core/event.hpp"
 #include "core/random.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 // The events of one time step, added in any order, handed out in time order. A counting sort over
 // the step's microseconds: O(events + microseconds), stable. The capacity bounds the events between
@@ -73,4 +73,4 @@ class BackgroundNoise {
   double probability_;
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -12,7 +12,7 @@
 #include "synthetic/plane.hpp"
 #include "synthetic/scene_checks.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
@@ -226,4 +226,4 @@ FlightOverChairs& FlightOverChairs::operator=(FlightOverChairs&& other) noexcept
 
 EventSpan FlightOverChairs::next() noexcept { return impl_->next(); }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 
-namespace asap {
+namespace asap::inline v0_1 {
 namespace {
 
 std::int32_t rounded(double value) noexcept {
@@ -88,4 +88,4 @@ void Outline::sweep(Place from, Place to, TimeSortedBlock& block) noexcept {
   }
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

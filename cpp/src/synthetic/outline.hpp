@@ -14,7 +14,7 @@
 #include "synthetic/block.hpp"
 #include "synthetic/plane.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 class Outline {
  public:
@@ -67,4 +67,4 @@ class Outline {
   std::vector<std::uint32_t> crossed_;  // scratch of sweep()
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

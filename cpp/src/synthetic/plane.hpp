@@ -1,7 +1,7 @@
 // PlanePoint and UnitVector: points and directions of the image plane.
 #pragma once
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 struct PlanePoint {
   double x;  // px
@@ -24,4 +24,4 @@ struct UnitVector {
   }
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -10,7 +10,7 @@
 #include "synthetic/portable_math.hpp"
 #include "synthetic/scene_checks.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 namespace {
 
 constexpr std::size_t kBlock = 4096;
@@ -128,4 +128,4 @@ void PoissonArrivals::feed(std::span<const double> rates_hz) { impl_->feed(rates
 
 EventSpan PoissonArrivals::next() noexcept { return impl_->next(); }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

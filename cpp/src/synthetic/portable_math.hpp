@@ -11,7 +11,7 @@
 
 #include "core/random.hpp"
 
-namespace asap::synthetic {
+namespace asap::inline v0_1::synthetic {
 
 // Holds for |x| up to 700; relative error below 1e-15.
 inline double portable_exp(double x) noexcept {
@@ -99,4 +99,4 @@ inline std::size_t PoissonTable::draw(double uniform) const noexcept {
                                   cumulative_.begin());
 }
 
-}  // namespace asap::synthetic
+}  // namespace asap::inline v0_1::synthetic

@@ -5,7 +5,7 @@
 
 #include "core/check.hpp"
 
-namespace asap::synthetic {
+namespace asap::inline v0_1::synthetic {
 
 inline void require_view_and_time(std::int32_t width, std::int32_t height, std::int64_t duration_us,
                                   std::int64_t t0_us) {
@@ -19,4 +19,4 @@ inline void require_view_and_time(std::int32_t width, std::int32_t height, std::
           "give a time within 2^62 us of zero");
 }
 
-}  // namespace asap::synthetic
+}  // namespace asap::inline v0_1::synthetic

@@ -11,7 +11,7 @@
 #include "synthetic/plane.hpp"
 #include "synthetic/scene_checks.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 namespace {
 
 constexpr double kCell_px = 24.0;        // one shape of the print per cell
@@ -162,4 +162,4 @@ ShakenPattern& ShakenPattern::operator=(ShakenPattern&& other) noexcept = defaul
 
 EventSpan ShakenPattern::next() noexcept { return impl_->next(); }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -14,7 +14,7 @@
 #include "asap/core/time.hpp"
 #include "core/atomics.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 class GapMeter {
  public:
@@ -120,4 +120,4 @@ class GapMeter {
   bool is_lost_ = false;  // an event, since the newest kept one
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -5,7 +5,7 @@
 #include "core/atomics.hpp"
 #include "core/check.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 LatencyHistogram::LatencyHistogram(std::int64_t bound_ns) : bound_ns_(bound_ns), bins_(kBins, 0) {}
 
@@ -137,4 +137,4 @@ std::int64_t LatencyHistogram::max_of(std::size_t bin) noexcept {
   return static_cast<std::int64_t>(((mantissa + 1) << (bin / kBinsPerOctave - 1)) - 1);
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -5,7 +5,7 @@
 #include "core/atomics.hpp"
 #include "core/check.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 void RunLog::add_block() {
   blocks_.push_back(detail::allocate<PackageRecord>(block_rows_, "log_rows", block_rows_));
@@ -57,4 +57,4 @@ PackageRow RunLog::operator[](std::size_t i) const noexcept {
   };
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace asap {
+namespace asap::inline v0_1 {
 namespace {
 
 constexpr std::int64_t kSlotUs = 1000;
@@ -43,4 +43,4 @@ void SlotLog::delivered(EventSpan events, std::int64_t end_ns, const TimeAxis& a
   }
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

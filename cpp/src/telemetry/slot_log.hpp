@@ -12,7 +12,7 @@
 #include "asap/core/time.hpp"
 #include "asap/telemetry/ledger.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 class SlotLog {
  public:
@@ -28,4 +28,4 @@ class SlotLog {
   std::size_t delivering_ = 0;  // the slot of the newest delivered event
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

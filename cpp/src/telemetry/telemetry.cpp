@@ -2,7 +2,7 @@
 
 #include <thread>
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 void Telemetry::reset(std::int64_t latency_bound_ns) noexcept {
   log.clear();
@@ -56,4 +56,4 @@ void Telemetry::answer() noexcept {
   copy->is_made.store(true, std::memory_order_release);
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

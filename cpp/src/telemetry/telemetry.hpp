@@ -16,7 +16,7 @@
 #include "asap/telemetry/run_log.hpp"
 #include "core/atomics.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 struct Telemetry {
   // max_rows: see RunLog.
@@ -66,4 +66,4 @@ struct Telemetry {
   mutable std::atomic<Copy*> asked_{nullptr};
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -20,7 +20,7 @@
 #include "asap/core/event.hpp"
 #include "asap/core/result.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 // ---- clusters ----------------------------------------------------------------------------------
 
@@ -174,4 +174,4 @@ class ClusterTracker {
 template <class Made = ClusterTracker>
 Result<Made> make_tracker(const typename Made::Config& config) noexcept;
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -12,7 +12,7 @@
 
 #include "asap/core/event.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 struct EFastConfig {
   int width;   // px
@@ -108,4 +108,4 @@ class FAHarrisRule;
 extern template class CornerDetector<FAHarrisRule, FAHarrisConfig>;
 using FAHarris = CornerDetector<FAHarrisRule, FAHarrisConfig>;
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

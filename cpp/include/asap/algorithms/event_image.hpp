@@ -18,7 +18,7 @@
 
 #include "asap/core/event.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 enum class ImageChannel : std::uint8_t {
   off,    // OFF events of the pixel
@@ -99,4 +99,4 @@ class EventImage {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

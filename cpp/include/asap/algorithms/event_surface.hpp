@@ -9,7 +9,7 @@
 
 #include "asap/core/event.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 struct ThresholdOrdinalSurfaceConfig {
   int width;     // px
@@ -87,4 +87,4 @@ extern template class EventSurface<SpeedInvariantTimeRule, SpeedInvariantTimeSur
 using SpeedInvariantTimeSurface =
     EventSurface<SpeedInvariantTimeRule, SpeedInvariantTimeSurfaceConfig, std::uint16_t>;
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -18,7 +18,7 @@
 
 #include "asap/core/event.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 // Where the corners come from: a detector with its defaults, or every event handed in is a corner,
 // such as those that another detector found.
@@ -90,4 +90,4 @@ class FeatureTracker {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -20,7 +20,7 @@
 #include "asap/algorithms/tracked_object.hpp"
 #include "asap/core/event.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 struct MotionSegmenterConfig {
   int width;   // px
@@ -88,4 +88,4 @@ class MotionSegmenter {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

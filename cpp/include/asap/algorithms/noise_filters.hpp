@@ -12,7 +12,7 @@
 
 #include "asap/core/event.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 // ---- background activity -----------------------------------------------------------------------
 
@@ -132,4 +132,4 @@ class HotPixelMask {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -18,7 +18,7 @@
 
 #include "asap/core/event.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 // NaN where the events around give no flow: too few, all on a line, all at once or not one edge.
 struct Flow {
@@ -72,4 +72,4 @@ class PlaneFlow {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

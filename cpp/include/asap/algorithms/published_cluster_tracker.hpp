@@ -17,7 +17,7 @@
 #include "asap/algorithms/cluster_tracker.hpp"
 #include "asap/core/event.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 struct PublishedClusterTrackerConfig {  // [the paper's symbol]
   int width;                            // px
@@ -77,4 +77,4 @@ class PublishedClusterTracker {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 struct TrackedObject {
   std::int64_t id;          // never changes, and outlives stops and short occlusions
@@ -22,4 +22,4 @@ struct TrackedObject {
   double independent = -1;  // 0 to 1, whether it moves unlike the background; -1: not known
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -14,7 +14,7 @@
 #include <type_traits>
 #include <utility>
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 struct Event {
   std::uint16_t x;  // px, to the right
@@ -56,4 +56,4 @@ class SpanSource final : public EventSource {
   EventSpan events_;
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

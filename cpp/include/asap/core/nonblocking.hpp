@@ -24,7 +24,7 @@
 #define ASAP_NONBLOCKING
 #endif
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 #if defined(__clang__)
 #pragma clang diagnostic push
@@ -44,4 +44,4 @@ decltype(auto) exempt(Call&& call) noexcept(noexcept(call())) ASAP_NONBLOCKING {
 #endif
 #undef ASAP_UNWATCHED
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

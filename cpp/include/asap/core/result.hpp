@@ -16,7 +16,7 @@
 #include <string_view>
 #include <utility>
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 // A value that a field must not have. what() says "<field> = <value> <unit>: <remedy>".
 struct BadValue : std::invalid_argument {
@@ -74,4 +74,4 @@ class [[nodiscard]] Result {
   Error error_;
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

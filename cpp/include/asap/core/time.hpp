@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <limits>
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 // The latency bound where the user gives none.
 inline constexpr std::chrono::nanoseconds kDefaultLatency = std::chrono::milliseconds(10);
@@ -47,4 +47,4 @@ class TimeAxis {
   double ns_per_us_ = 1000.0;
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -11,7 +11,7 @@
 #include "asap/core/event.hpp"
 #include "asap/core/nonblocking.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 // The 63-bit bar below which an event's random number must stay for the event to be kept.
 class KeepThreshold {
@@ -67,4 +67,4 @@ class GammaFilter {
   std::uint64_t position_ = 0;
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

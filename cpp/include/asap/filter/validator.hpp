@@ -19,7 +19,7 @@
 #include "asap/core/event.hpp"
 #include "asap/core/nonblocking.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 class BitLog;
 
@@ -161,4 +161,4 @@ class Validator {
   std::array<Event, kBlock> scratch_{};  // written at construction: no page is missing later
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -12,7 +12,7 @@
 #include "asap/core/event.hpp"
 #include "asap/formats/decoder.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 // ---- AEDAT 2.0 ---------------------------------------------------------------------------------
 
@@ -140,4 +140,4 @@ class Aedat3Decoder : public NativeDecoder<Aedat3Decoder, Aedat3Config, 28> {
   std::uint64_t invalid_ = 0;
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

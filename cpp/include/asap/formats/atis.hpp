@@ -12,7 +12,7 @@
 #include "asap/core/event.hpp"
 #include "asap/formats/decoder.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 // ---- Event Stream ------------------------------------------------------------------------------
 
@@ -97,4 +97,4 @@ class Atis40Decoder : public NativeDecoder<Atis40Decoder, Atis40Config, 5> {
   std::int64_t marked_us_ = 0;
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

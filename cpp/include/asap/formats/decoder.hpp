@@ -14,7 +14,7 @@
 
 #include "asap/core/event.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 struct Output;
 struct RecordingFile;
@@ -125,4 +125,4 @@ class NativeDecoder {
   Progress decode_to(Output out, std::span<const std::byte> bytes) noexcept;
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

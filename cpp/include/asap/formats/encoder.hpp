@@ -15,7 +15,7 @@
 #include "asap/core/event.hpp"
 #include "asap/formats/decoder.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 enum class Encoding : std::uint8_t { evt3, event_stream, csv };
 
@@ -66,4 +66,4 @@ class Encoder {
   State state_;
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

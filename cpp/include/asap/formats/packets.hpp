@@ -21,7 +21,7 @@
 #include "asap/core/event.hpp"
 #include "asap/formats/decoder.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 struct PacketConfig {
   std::uint64_t first_offset = 0;  // offset of the first byte that is fed, for noted()
@@ -110,4 +110,4 @@ class DvsRecords {
   Layout layout_;
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -14,7 +14,7 @@
 #include "asap/core/event.hpp"
 #include "asap/formats/decoder.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 // ---- header ------------------------------------------------------------------------------------
 
@@ -217,4 +217,4 @@ class DatDecoder : public NativeDecoder<DatDecoder, DatConfig, 8> {
   std::int64_t t_ = 0;  // us, of the last event, unwrapped
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -17,7 +17,7 @@
 #include "asap/core/event.hpp"
 #include "asap/formats/text.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 struct RecordingConfig {
   TextConfig text{};                               // columns and unit of a .csv or .txt file
@@ -52,4 +52,4 @@ class RecordingSource final : public EventSource {
   const std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -17,7 +17,7 @@
 #include "asap/core/event.hpp"
 #include "asap/formats/decoder.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 struct TextConfig {
   std::string order = "txyp";  // a letter per column: t, x and y once, p at most once; '-' skips
@@ -82,4 +82,4 @@ class TextDecoder {
   std::size_t unfinished_length_ = 0;  // bytes seen, kept or not
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -10,7 +10,7 @@
 
 #include "asap/core/event.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 // events.size() / gamma is the number of events that thinning has seen since the package, or the
 // part of one, before: those of packages and parts that kept nothing count to the next one. So the
@@ -51,4 +51,4 @@ struct KeptEvents {
   std::vector<std::int64_t> first;  // number of the first raw event, per package
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -25,7 +25,7 @@
 #include "asap/packager/package.hpp"
 #include "asap/runner/run_config.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 // The counts are those of the run since the last start(). An event's latency counts from its
 // arrival.
@@ -160,4 +160,4 @@ Result<Pipeline> make_pipeline(Scheme& scheme, RunConfig config = {}) noexcept;
 Result<Pipeline> make_pipeline(RunConfig config, Consumer algorithm) noexcept;
 Result<Pipeline> make_pipeline(Scheme& scheme, RunConfig config, Consumer algorithm) noexcept;
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -17,7 +17,7 @@
 #include "asap/packager/package.hpp"
 #include "asap/runner/run_config.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 struct ReplayConfig {
   double speed = 1.0;  // 2 = twice as fast as recorded
@@ -56,4 +56,4 @@ class Replay {
   const std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

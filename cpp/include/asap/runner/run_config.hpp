@@ -14,7 +14,7 @@
 #include "asap/telemetry/ledger.hpp"
 #include "asap/telemetry/run_log.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 // The algorithm as a runner sees it: a callable that takes a package (or, by conversion, its
 // events). Called on the consumer's thread, once per package; where the execution is anytime, once
@@ -96,4 +96,4 @@ std::int64_t latency_bound_ns(const RunConfig& config, const Scheme& scheme);
 // The ring's capacity in force.
 std::size_t ring_capacity(const RunConfig& config, std::int64_t latency_bound_ns) noexcept;
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -22,7 +22,7 @@
 #include "asap/packager/package.hpp"
 #include "asap/runner/run_config.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 // LinearCost: a simulated algorithm. A package of n events costs X (alpha + beta n), where X is
 // lognormal of mean 1 and sigma = noise, one draw per package, keyed by (seed, package index):
@@ -128,4 +128,4 @@ class Simulator {
 Result<Simulator> make_simulator(Scheme& scheme, LinearCostConfig cost, RunConfig config = {},
                                  Consumer consumer = {}) noexcept;
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

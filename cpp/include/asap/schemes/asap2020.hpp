@@ -15,7 +15,7 @@
 
 #include "asap/schemes/scheme.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 struct Asap2020Config {
   double rate_bound = 5e6;  // a, events per second after the gamma filter
@@ -54,4 +54,4 @@ class Asap2020 final : public Scheme {
   double gamma_;
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

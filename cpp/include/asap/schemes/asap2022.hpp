@@ -18,7 +18,7 @@
 
 #include "asap/schemes/scheme.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 struct Asap2022Config {
   std::chrono::nanoseconds min_processing = std::chrono::microseconds(200);  // limits of H
@@ -49,4 +49,4 @@ class Asap2022 final : public LearningScheme {
   explicit Asap2022(Config config = {});
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

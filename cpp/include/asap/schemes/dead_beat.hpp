@@ -14,7 +14,7 @@
 
 #include "asap/schemes/scheme.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 struct DeadBeatConfig {
   std::chrono::nanoseconds latency = kDefaultLatency;  // L
@@ -41,4 +41,4 @@ class DeadBeat final : public LearningScheme {
   double beta_ns() const noexcept;
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

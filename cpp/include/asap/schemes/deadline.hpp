@@ -16,7 +16,7 @@
 
 #include "asap/schemes/scheme.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 // What matters more in overload where the two differ: the number of processed events, or that no
 // long stretch of time (a gap) goes by without one.
@@ -68,4 +68,4 @@ inline Result<Deadline> make_scheme(const DeadlineConfig& config = {}) noexcept 
   return make_scheme<Deadline>(config);
 }
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

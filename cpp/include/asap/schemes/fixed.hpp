@@ -7,7 +7,7 @@
 
 #include "asap/schemes/scheme.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 struct FixedSizeConfig {
   std::size_t size = 1000;  // events
@@ -74,4 +74,4 @@ class SingleEvent final : public Scheme {
   std::string_view name() const noexcept override { return "single_event"; }
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -11,7 +11,7 @@
 
 #include "asap/schemes/scheme.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 struct GreedyConfig {
   std::optional<double> efficiency{};  // eta, 0 < eta < 1; none: no cap. 0.97 is a good one
@@ -28,4 +28,4 @@ class Greedy final : public LearningScheme {
   explicit Greedy(Config config = {});
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

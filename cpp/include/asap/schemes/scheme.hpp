@@ -24,7 +24,7 @@
 #include "asap/core/result.hpp"
 #include "asap/core/time.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 // The parameters of a scheme by name. A configuration lists its fields once, in kParameters, in the
 // order of the constructor's keywords:
@@ -209,4 +209,4 @@ class LearningScheme : public Scheme {
 template <class Made>
 Result<Made> make_scheme(const typename Made::Config& config = {}) noexcept;
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -14,7 +14,7 @@
 
 #include "asap/core/event.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 // ---- a stream ----------------------------------------------------------------------------------
 
@@ -141,4 +141,4 @@ class FlightOverChairs final : public EventStream {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 class LatencyHistogram {
  public:
@@ -118,4 +118,4 @@ class LatencyHistogram {
   std::uint64_t sum_high_ = 0;
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

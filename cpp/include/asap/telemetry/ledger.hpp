@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 // Where every event went. At every quiescent point
 //   received = rejected + filtered + discarded + stale + overflow + delivered + pending
@@ -47,4 +47,4 @@ struct Slot {
   std::int64_t latency_max_ns;  // of the delivered ones
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

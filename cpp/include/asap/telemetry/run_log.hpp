@@ -14,7 +14,7 @@
 
 #include "asap/core/time.hpp"
 
-namespace asap {
+namespace asap::inline v0_1 {
 
 // What is known when a package is completed. Times in ns are run time.
 struct PackageRecord {
@@ -123,4 +123,4 @@ class RunLog {
   TimeAxis axis_;
 };
 
-}  // namespace asap
+}  // namespace asap::inline v0_1

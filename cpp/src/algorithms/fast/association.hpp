@@ -18,7 +18,7 @@
 #include "algorithms/fast/time.hpp"
 #include "algorithms/fast/track.hpp"
 
-namespace asap::fast {
+namespace asap::inline v0_1::fast {
 
 // ---- cells ----
 
@@ -249,4 +249,4 @@ inline Tracks::Slot associate_in_contact(Tracks& tracks, Tracks::Slot owner, Sta
   return best;
 }
 
-}  // namespace asap::fast
+}  // namespace asap::inline v0_1::fast

@@ -5,7 +5,7 @@
 
 #include <cstdint>
 
-namespace asap::fast {
+namespace asap::inline v0_1::fast {
 
 // ---- cells and times ----
 
@@ -77,4 +77,4 @@ inline constexpr float kMergePadding_px = 8;       // ... and px within which tw
 inline constexpr float kMergeTolerance_px = 4;     // change of the relative position of its parts
 inline constexpr float kMergeRotation_rad = 0.5F;  // and its rotation
 
-}  // namespace asap::fast
+}  // namespace asap::inline v0_1::fast

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <numbers>
 
-namespace asap::fast {
+namespace asap::inline v0_1::fast {
 
 // Bins are centred on the axes and diagonals, where most whole pixels lie, so none is on a border.
 DirectionTable::DirectionTable() : bins_{} {
@@ -20,4 +20,4 @@ DirectionTable::DirectionTable() : bins_{} {
   }
 }
 
-}  // namespace asap::fast
+}  // namespace asap::inline v0_1::fast

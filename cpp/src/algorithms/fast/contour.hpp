@@ -12,7 +12,7 @@
 
 #include "algorithms/fast/constants.hpp"
 
-namespace asap::fast {
+namespace asap::inline v0_1::fast {
 
 inline constexpr std::size_t kContourBins = 16;
 
@@ -70,4 +70,4 @@ class DirectionTable {
   std::array<std::uint8_t, kSide * kSide> bins_;
 };
 
-}  // namespace asap::fast
+}  // namespace asap::inline v0_1::fast

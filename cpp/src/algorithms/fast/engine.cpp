@@ -10,7 +10,7 @@
 #include "algorithms/fast/track.hpp"
 #include "algorithms/fast/update.hpp"
 
-namespace asap::fast {
+namespace asap::inline v0_1::fast {
 
 namespace {
 
@@ -394,4 +394,4 @@ Tracks::Slot Engine::begin_part(Slot parent, const Part& part, float share) noex
   return slot;
 }
 
-}  // namespace asap::fast
+}  // namespace asap::inline v0_1::fast

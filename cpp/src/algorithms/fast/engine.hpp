@@ -27,7 +27,7 @@
 #include "asap/algorithms/cluster_tracker.hpp"
 #include "asap/core/event.hpp"
 
-namespace asap::fast {
+namespace asap::inline v0_1::fast {
 
 class Engine {
  public:
@@ -142,4 +142,4 @@ class Engine {
   std::int32_t next_id_ = 0;
 };
 
-}  // namespace asap::fast
+}  // namespace asap::inline v0_1::fast

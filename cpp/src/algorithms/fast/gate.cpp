@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace asap::fast {
+namespace asap::inline v0_1::fast {
 
 namespace {
 
@@ -89,4 +89,4 @@ float mature_gate_area(const Track& track) noexcept {
          std::max(kMinRadius_px * kMinRadius_px, kGateScale * kGateScale * std::sqrt(determinant));
 }
 
-}  // namespace asap::fast
+}  // namespace asap::inline v0_1::fast

@@ -11,7 +11,7 @@
 
 #include "algorithms/fast/track.hpp"
 
-namespace asap::fast {
+namespace asap::inline v0_1::fast {
 
 struct GateRule {
   float birth_radius_px;     // narrowest circle of a young track, widest of a mature one
@@ -73,4 +73,4 @@ void shape_gate(Track& track, const GateRule& rule, float scale, float young_px,
 float young_gate_area(float radius_px) noexcept;
 float mature_gate_area(const Track& track) noexcept;
 
-}  // namespace asap::fast
+}  // namespace asap::inline v0_1::fast

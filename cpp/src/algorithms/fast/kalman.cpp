@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace asap::fast {
+namespace asap::inline v0_1::fast {
 
 namespace {
 
@@ -111,4 +111,4 @@ PositionError position_error(const Track& track, const KalmanState& state, const
           variance + contour.centre_variance * track.syy};
 }
 
-}  // namespace asap::fast
+}  // namespace asap::inline v0_1::fast

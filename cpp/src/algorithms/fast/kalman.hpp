@@ -12,7 +12,7 @@
 
 #include "algorithms/fast/track.hpp"
 
-namespace asap::fast {
+namespace asap::inline v0_1::fast {
 
 inline constexpr std::uint32_t kKalmanEvents = 8;  // new events that an update needs
 
@@ -43,4 +43,4 @@ struct PositionError {
 PositionError position_error(const Track& track, const KalmanState& state, const Contour& contour,
                              Stamp now) noexcept;
 
-}  // namespace asap::fast
+}  // namespace asap::inline v0_1::fast

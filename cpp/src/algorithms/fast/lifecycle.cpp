@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace asap::fast {
+namespace asap::inline v0_1::fast {
 namespace {
 
 constexpr float kShortest_s = 1e-6F;
@@ -177,4 +177,4 @@ bool has_left(const Track& track, Stamp now, const Frame& frame) noexcept {
   return !(mean.x >= -3 && mean.x <= right && mean.y >= -3 && mean.y <= bottom);
 }
 
-}  // namespace asap::fast
+}  // namespace asap::inline v0_1::fast

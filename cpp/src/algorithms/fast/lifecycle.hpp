@@ -17,7 +17,7 @@
 #include "algorithms/fast/time.hpp"
 #include "algorithms/fast/track.hpp"
 
-namespace asap::fast {
+namespace asap::inline v0_1::fast {
 
 // ---- birth ----
 
@@ -129,4 +129,4 @@ struct Frame {
 // Whether the predicted mean lies more than 2 px beyond the edges of the frame, or is not a number.
 bool has_left(const Track& track, Stamp now, const Frame& frame) noexcept;
 
-}  // namespace asap::fast
+}  // namespace asap::inline v0_1::fast

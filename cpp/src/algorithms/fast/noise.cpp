@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace asap::fast {
+namespace asap::inline v0_1::fast {
 namespace {
 
 constexpr int kSmallestShift = 4;
@@ -106,4 +106,4 @@ std::int32_t support_window_us(float noise_hz, std::int32_t shortest_us,
       std::clamp(allowed_us, static_cast<float>(shortest_us), longest));
 }
 
-}  // namespace asap::fast
+}  // namespace asap::inline v0_1::fast

@@ -16,7 +16,7 @@
 #include "algorithms/fast/time.hpp"
 #include "algorithms/int4.hpp"
 
-namespace asap::fast {
+namespace asap::inline v0_1::fast {
 
 class SupportMap {
  public:
@@ -107,4 +107,4 @@ float supported_noise(float noise_hz, float window_s) noexcept;
 std::int32_t support_window_us(float noise_hz, std::int32_t shortest_us,
                                std::int32_t longest_us) noexcept;
 
-}  // namespace asap::fast
+}  // namespace asap::inline v0_1::fast

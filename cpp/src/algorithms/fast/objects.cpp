@@ -7,7 +7,7 @@
 
 #include "algorithms/fast/pairs.hpp"
 
-namespace asap::fast {
+namespace asap::inline v0_1::fast {
 namespace {
 
 float seconds_between(std::uint64_t before_us, std::uint64_t after_us) noexcept {
@@ -468,4 +468,4 @@ void Objects::judge(const Tracks& tracks, const NoiseTiles& noise) noexcept {
   }
 }
 
-}  // namespace asap::fast
+}  // namespace asap::inline v0_1::fast

@@ -21,7 +21,7 @@
 #include "algorithms/fast/time.hpp"
 #include "algorithms/fast/track.hpp"
 
-namespace asap::fast {
+namespace asap::inline v0_1::fast {
 
 struct Box {
   float left;  // px
@@ -167,4 +167,4 @@ class Objects {
   std::int32_t* next_id_ = nullptr;  // during update()
 };
 
-}  // namespace asap::fast
+}  // namespace asap::inline v0_1::fast

@@ -11,7 +11,7 @@
 #include "algorithms/fast/gate.hpp"
 #include "algorithms/fast/track.hpp"
 
-namespace asap::fast {
+namespace asap::inline v0_1::fast {
 namespace {
 
 // Opposite edges of a large object are confirmed apart, and the extents of edges are small.
@@ -421,4 +421,4 @@ void forget_far_sibling(Tracks& tracks, Tracks::Slot slot, Stamp now,
   state.sibling = kNoSlot;
 }
 
-}  // namespace asap::fast
+}  // namespace asap::inline v0_1::fast

@@ -17,7 +17,7 @@
 #include "algorithms/fast/time.hpp"
 #include "algorithms/fast/track.hpp"
 
-namespace asap::fast {
+namespace asap::inline v0_1::fast {
 
 // ---- pairs ----
 
@@ -84,4 +84,4 @@ void find_sibling(Tracks& tracks, Tracks::Slot slot, Stamp now, float birth_radi
 void forget_far_sibling(Tracks& tracks, Tracks::Slot slot, Stamp now,
                         float birth_radius_px) noexcept;
 
-}  // namespace asap::fast
+}  // namespace asap::inline v0_1::fast

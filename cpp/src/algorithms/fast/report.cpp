@@ -9,7 +9,7 @@
 #include "algorithms/fast/engine.hpp"
 #include "algorithms/fast/kalman.hpp"
 
-namespace asap::fast {
+namespace asap::inline v0_1::fast {
 
 namespace {
 
@@ -146,4 +146,4 @@ void Engine::read_parts(std::int64_t id, std::vector<Cluster>& clusters) const {
   std::ranges::stable_sort(clusters, std::ranges::greater(), &Cluster::size);
 }
 
-}  // namespace asap::fast
+}  // namespace asap::inline v0_1::fast

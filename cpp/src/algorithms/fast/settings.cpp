@@ -6,7 +6,7 @@
 
 #include "algorithms/fast/constants.hpp"
 
-namespace asap::fast {
+namespace asap::inline v0_1::fast {
 
 namespace {
 
@@ -85,4 +85,4 @@ void Settings::set_gamma(const ClusterTrackerConfig& c, double gamma,
   begins_unsupported = c.support != ClusterSupport::kReject || filtered_upstream;
 }
 
-}  // namespace asap::fast
+}  // namespace asap::inline v0_1::fast

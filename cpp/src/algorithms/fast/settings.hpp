@@ -9,7 +9,7 @@
 #include "algorithms/fast/update.hpp"
 #include "asap/algorithms/cluster_tracker.hpp"
 
-namespace asap::fast {
+namespace asap::inline v0_1::fast {
 
 struct Settings {
   // Precondition: the configuration is checked.
@@ -36,4 +36,4 @@ struct Settings {
   LifecycleRule lifecycle;
 };
 
-}  // namespace asap::fast
+}  // namespace asap::inline v0_1::fast

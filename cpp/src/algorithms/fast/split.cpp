@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-namespace asap::fast {
+namespace asap::inline v0_1::fast {
 namespace {
 
 // The covariance of cells that are evenly filled.
@@ -335,4 +335,4 @@ void confirm_child(Tracks& tracks, Tracks::Slot parent, Tracks::Slot child, floa
   }
 }
 
-}  // namespace asap::fast
+}  // namespace asap::inline v0_1::fast

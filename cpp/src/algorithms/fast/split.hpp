@@ -21,7 +21,7 @@
 #include "algorithms/fast/time.hpp"
 #include "algorithms/fast/track.hpp"
 
-namespace asap::fast {
+namespace asap::inline v0_1::fast {
 
 inline constexpr std::size_t kMinPartCells = 4;
 
@@ -141,4 +141,4 @@ void begin_at_part(Tracks& tracks, Tracks::Slot parent, Tracks::Slot child, cons
 void confirm_child(Tracks& tracks, Tracks::Slot parent, Tracks::Slot child, float share,
                    const GateRule& gate) noexcept;
 
-}  // namespace asap::fast
+}  // namespace asap::inline v0_1::fast

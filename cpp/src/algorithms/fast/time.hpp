@@ -9,7 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace asap::fast {
+namespace asap::inline v0_1::fast {
 
 // ---- stamps ----
 
@@ -97,4 +97,4 @@ constexpr float low_pass_weight(float decayed, float dt_s, float age_s) noexcept
   return std::max(1 - decayed, dt_s < age_s ? dt_s / age_s : 1.0F);
 }
 
-}  // namespace asap::fast
+}  // namespace asap::inline v0_1::fast

@@ -15,7 +15,7 @@
 #include "algorithms/fast/contour.hpp"
 #include "algorithms/fast/time.hpp"
 
-namespace asap::fast {
+namespace asap::inline v0_1::fast {
 
 inline constexpr std::size_t kMaxPartners = 3;
 inline constexpr std::size_t kMaxCandidates = 4;  // candidates of one track for a merge
@@ -216,4 +216,4 @@ class Tracks {
   std::vector<Slot> active_;
 };
 
-}  // namespace asap::fast
+}  // namespace asap::inline v0_1::fast

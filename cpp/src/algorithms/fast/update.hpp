@@ -13,7 +13,7 @@
 
 #include "algorithms/fast/track.hpp"
 
-namespace asap::fast {
+namespace asap::inline v0_1::fast {
 
 // 1/n for the memories of the means.
 class Reciprocals {
@@ -122,4 +122,4 @@ inline void update_in_contact(Track& track, Contour& contour, const Innovation& 
   track.stamp = now;
 }
 
-}  // namespace asap::fast
+}  // namespace asap::inline v0_1::fast

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace asap::motion {
+namespace asap::inline v0_1::motion {
 namespace {
 
 constexpr std::size_t kFewest = 20;  // samples, five for each parameter
@@ -128,4 +128,4 @@ bool BackgroundMotion::is_covered(std::span<const FlowSample> samples, double ga
   return some >= 13 && many >= 5;
 }
 
-}  // namespace asap::motion
+}  // namespace asap::inline v0_1::motion

@@ -15,7 +15,7 @@
 #include "asap/algorithms/plane_flow.hpp"
 #include "asap/core/event.hpp"
 
-namespace asap::motion {
+namespace asap::inline v0_1::motion {
 
 // The velocity along the edge's normal, of one event.
 struct FlowSample {
@@ -137,4 +137,4 @@ class BackgroundMotion {
   bool is_known_ = false;
 };
 
-}  // namespace asap::motion
+}  // namespace asap::inline v0_1::motion

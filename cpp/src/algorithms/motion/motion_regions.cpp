@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace asap::motion {
+namespace asap::inline v0_1::motion {
 namespace {
 
 constexpr std::size_t kFewestCells = 5;
@@ -184,4 +184,4 @@ Region MotionRegions::region_of(const Parts& parts) noexcept {
           .t_last = parts.t_last};
 }
 
-}  // namespace asap::motion
+}  // namespace asap::inline v0_1::motion

@@ -13,7 +13,7 @@
 
 #include "algorithms/motion/background_motion.hpp"
 
-namespace asap::motion {
+namespace asap::inline v0_1::motion {
 
 struct Region {
   Eigen::Vector2d centre;     // px
@@ -101,4 +101,4 @@ class MotionRegions {
   std::vector<Region> regions_;
 };
 
-}  // namespace asap::motion
+}  // namespace asap::inline v0_1::motion

@@ -10,7 +10,7 @@
 
 #include "algorithms/motion/background_motion.hpp"
 
-namespace asap::motion {
+namespace asap::inline v0_1::motion {
 
 class RecentFlow {
  public:
@@ -45,4 +45,4 @@ class RecentFlow {
   std::size_t end_ = 0;
 };
 
-}  // namespace asap::motion
+}  // namespace asap::inline v0_1::motion

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace asap::motion {
+namespace asap::inline v0_1::motion {
 namespace {
 
 constexpr std::size_t kMostTracks = 64;
@@ -110,4 +110,4 @@ void RegionTracks::clear() noexcept {
   next_id_ = 0;
 }
 
-}  // namespace asap::motion
+}  // namespace asap::inline v0_1::motion

@@ -12,7 +12,7 @@
 #include "algorithms/motion/motion_regions.hpp"
 #include "asap/algorithms/tracked_object.hpp"
 
-namespace asap::motion {
+namespace asap::inline v0_1::motion {
 
 class RegionTracks {
  public:
@@ -60,4 +60,4 @@ class RegionTracks {
   std::int64_t next_id_ = 0;
 };
 
-}  // namespace asap::motion
+}  // namespace asap::inline v0_1::motion
