@@ -20,6 +20,7 @@ from asap_laboratory.schemes.probes import SteadyProbe
 from asap_laboratory.study import Batch, State, Study, key_of, write
 from house import ROOT
 
+PAGES = ROOT / "python" / "laboratory" / "pages"
 SMALL = Case("low", "slow", duration_s=0.05, contenders=("Greedy", "Deadline"))
 
 
@@ -241,10 +242,10 @@ def test_command_refuses_what_does_not_go_together(tmp_path, capsys):
 
 @pytest.mark.parametrize("name", ["study", "accuracy", "rivals", "ladder"])
 def test_the_published_page_is_that_of_its_data(name, tmp_path):
-    (tmp_path / "data").symlink_to(ROOT / "notebooks" / "data")
+    (tmp_path / "data").symlink_to(PAGES / "data")
     study = dataclasses.replace(STUDIES[name], figures=lambda tables: {})
     found = write(study, tmp_path)
-    published = Path(ROOT / "notebooks" / f"{name}.md").read_text()
+    published = (PAGES / f"{name}.md").read_text()
     assert found.paths[0].read_text() == published
     for figure in STUDIES[name].figures(found.tables) if name != "study" else ("scores",):
-        assert f"]({figure}.svg)" in published and (ROOT / "notebooks" / f"{figure}.svg").is_file()
+        assert f"]({figure}.svg)" in published and (PAGES / f"{figure}.svg").is_file()

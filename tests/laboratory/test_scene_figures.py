@@ -11,6 +11,8 @@ pytest.importorskip("matplotlib")
 from asap import plots
 from asap_laboratory import scene_pictures
 
+PAGES = ROOT / "python" / "laboratory" / "pages"
+
 
 @pytest.fixture(scope="module")
 def scene() -> Scene:
@@ -19,11 +21,11 @@ def scene() -> Scene:
 
 def test_pictures_of_the_documentation_are_there_light_and_alike(scene: Scene) -> None:
     names = {f"scene_{one.name}.svg" for one, _, _ in scene_pictures.documented()}
-    files = {path.name: path for path in (ROOT / "notebooks").glob("scene_*.svg")}
+    files = {path.name: path for path in PAGES.glob("scene_*.svg")}
     assert set(files) == names
     sizes = [path.stat().st_size for path in files.values()]
     assert max(sizes) < 60_000
     assert sum(sizes) < 300_000
-    page = (ROOT / "notebooks" / "scenes.md").read_text()
+    page = (PAGES / "scenes.md").read_text()
     assert all(f"({name})" in page for name in names)
     assert plots.svg(scene.plot()) == plots.svg(scene.plot())

@@ -15,8 +15,9 @@ README = ROOT / "README.md"
 PAGES = [
     *sorted(ROOT.glob("*.md")),
     *sorted(path for kind in ("md", "ipynb") for path in (ROOT / "notebooks").rglob(f"*.{kind}")),
+    *sorted((ROOT / "python" / "laboratory" / "pages").glob("*.md")),
 ]
-PICTURES = sorted((ROOT / "notebooks").rglob("*.svg"))
+PICTURES = sorted(path for page in {page.parent for page in PAGES} for path in page.glob("*.svg"))
 
 
 def text_of(page: Path) -> str:

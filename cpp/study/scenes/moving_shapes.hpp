@@ -3,7 +3,7 @@
 // object is. What the ground causes is labelled as noise. Each pixel sees the log of its brightness
 // and has thresholds of its own (ContrastPixel); noise is added that knows nothing of the pixels.
 // Motion goes in steps of 250 us, one block each. Thread and allocation as EventStream; the cost
-// goes with the area of the shapes. Limits: notebooks/scenes.md.
+// goes with the area of the shapes. Limits: python/laboratory/pages/scenes.md.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-"""Pictures of notebooks/scenes.md: ``python -m asap_laboratory.scene_pictures FOLDER``."""
+"""Pictures of the page of scenes: ``python -m asap_laboratory.scene_pictures FOLDER``."""
 
 from __future__ import annotations
 
