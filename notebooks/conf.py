@@ -23,7 +23,13 @@ copyright = "2026, the ASAP authors"
 version = release = asap.__version__
 
 root_doc = "notebooks/index"
-include_patterns = ["*.md", "cpp/**.md", "notebooks/**", "python/laboratory/pages/**", "tests/*/*.md"]
+include_patterns = [
+    "*.md",
+    "cpp/**.md",
+    "notebooks/**",
+    "python/laboratory/pages/**",
+    "tests/*/*.md",
+]
 exclude_patterns = ["build", "dist", "**/.*", "tests/fuzz/corpus", "**/__pycache__"]
 extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
 

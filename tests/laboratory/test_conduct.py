@@ -9,7 +9,6 @@ import signal
 import subprocess
 import sys
 from dataclasses import dataclass
-from pathlib import Path
 
 import pytest
 
@@ -161,7 +160,6 @@ def test_processes_find_the_same_and_their_errors_come_out(tmp_path):
 
 INTERRUPTED = """
 import os, signal, sys
-from pathlib import Path
 from asap_laboratory.schemes.probes import SteadyProbe
 from asap_laboratory.study import Batch, State
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a background job ignores it
@@ -240,7 +238,7 @@ def test_command_refuses_what_does_not_go_together(tmp_path, capsys):
 # ---- what is published ----------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", ["study", "accuracy", "rivals", "ladder"])
+@pytest.mark.parametrize("name", ["study", "bounds", "accuracy", "rivals", "ladder"])
 def test_the_published_page_is_that_of_its_data(name, tmp_path):
     (tmp_path / "data").symlink_to(PAGES / "data")
     study = dataclasses.replace(STUDIES[name], figures=lambda tables: {})

@@ -6,7 +6,8 @@
 
 A study is its tasks, its tables and the template of its page; `conduct` runs what is missing and
 writes page, data (CSV) and figures: ``asap-study`` on the command line. `STUDIES` holds them:
-every scheme and rival over profiles and costs, judged by goals ("study"); the algorithms' scores
+every scheme and rival over profiles and costs, judged by goals ("study"); `Deadline`
+over bounds and disturbed costs ("bounds"); the algorithms' scores
 over scenes and the kept fraction ("accuracy"); the cluster tracker beside its rivals ("rivals");
 every consumer on one stream that overloads the slow ones ("ladder"); the simulator beside this
 machine's clock ("realtime"). `asap_laboratory.real` makes one of recordings with boxes.
@@ -14,6 +15,7 @@ machine's clock ("realtime"). `asap_laboratory.real` makes one of recordings wit
 
 from asap_laboratory import profiles, scenes
 from asap_laboratory.accuracy import ACCURACY
+from asap_laboratory.bounds import BOUNDS
 from asap_laboratory.clairvoyant import exact_oracle
 from asap_laboratory.ladder import LADDER
 from asap_laboratory.realtime import REALTIME
@@ -23,7 +25,9 @@ from asap_laboratory.schemes.contenders import baselines
 from asap_laboratory.scoring import KeepCurve, keep_curve, score
 from asap_laboratory.study import Study, conduct
 
-STUDIES = {study.name: study for study in (SCHEMES, ACCURACY, RIVALS_STUDY, LADDER, REALTIME)}
+STUDIES = {
+    study.name: study for study in (SCHEMES, BOUNDS, ACCURACY, RIVALS_STUDY, LADDER, REALTIME)
+}
 """By the name of its page."""
 
 __all__ = [

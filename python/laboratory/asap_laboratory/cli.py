@@ -26,6 +26,7 @@ from asap_laboratory.page import Writer
 from asap_laboratory.study import Study, conduct, write
 
 _KINDS = {
+    "bounds": "Deadline over bounds and disturbed costs instead",
     "accuracy": "scores of the algorithms over gamma instead",
     "rivals": "the cluster tracker beside its rivals instead",
     "ladder": "every consumer under every scheme instead",
