@@ -183,7 +183,7 @@ MUTANTS: list[Mutant] = [
         ),
     ),
     *in_file(
-        SOURCE + "packager/books.cpp",
+        SOURCE + "packager/books.hpp",
         "packager",
         "runner",
         drop_oldest_not_counted=("telemetry_.overflow += left.count;", ""),
@@ -263,7 +263,7 @@ MUTANTS: list[Mutant] = [
         ),
     ),
     *in_file(
-        SOURCE + "telemetry/latency_histogram.cpp",
+        INCLUDE + "telemetry/latency_histogram.hpp",
         "telemetry",
         at_the_bound_is_late=(
             "latency_ns <= bound_ns_ ? count : 0U",

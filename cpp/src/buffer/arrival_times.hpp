@@ -27,6 +27,12 @@
 
 namespace asap::inline v0_1 {
 
+// Waiting events that came at one time, up to a ring index.
+struct Together {
+  std::int64_t time_ns;
+  std::uint64_t until;
+};
+
 template <class Atomics = StdAtomics, std::size_t max_steps = 8192>
 class BasicArrivalTimes {
  public:
@@ -81,7 +87,7 @@ class BasicArrivalTimes {
     tail_.store(tail + 1, std::memory_order_release);
   }
 
-  // Consumer. The time of an event that waits.
+  // Consumer. The time of an event that waits: O(1) for one of the oldest two steps.
   std::int64_t of(std::uint64_t index) const noexcept {
     return entry(step_of(index)).time_ns.load(std::memory_order_relaxed);
   }
@@ -94,11 +100,12 @@ class BasicArrivalTimes {
   // Any thread: another width of the steps from now on; between 1 ns and 10^12 ns.
   void set_step(std::int64_t step_ns) noexcept { step_ns_ = step_ns; }
 
-  // Consumer. The events [index, same_until) came in one step; at most end.
-  std::uint64_t same_until(std::uint64_t index, std::uint64_t end) const noexcept {
-    const std::uint64_t next = step_of(index) + 1;
-    if (next == tail_.load(std::memory_order_acquire)) return end;
-    return std::min(end, entry(next).first.load(std::memory_order_relaxed));
+  // Consumer. The events [index, until) came in one step, at this time; at most up to `end`.
+  Together together(std::uint64_t index, std::uint64_t end) const noexcept {
+    const std::uint64_t step = step_of(index);
+    const std::int64_t time_ns = entry(step).time_ns.load(std::memory_order_relaxed);
+    if (step + 1 == tail_.load(std::memory_order_acquire)) return {time_ns, end};
+    return {time_ns, std::min(end, entry(step + 1).first.load(std::memory_order_relaxed))};
   }
 
   // Consumer. Of the `count` events from ring index `head` on, those before time_ns.
@@ -180,12 +187,17 @@ class BasicArrivalTimes {
     return index <= head ? 0 : std::min(count, static_cast<std::size_t>(index - head));
   }
 
-  // The step that holds an event of this index.
+  // The step that holds an event of this index: mostly one of the oldest two.
   std::uint64_t step_of(std::uint64_t index) const noexcept {
-    return first_step([&](const Entry& entry) {
-             return entry.first.load(std::memory_order_relaxed) > index;
-           }) -
-           1;
+    const auto is_beyond = [&](const Entry& entry) {
+      return entry.first.load(std::memory_order_relaxed) > index;
+    };
+    const std::uint64_t tail = tail_.load(std::memory_order_acquire);
+    const std::uint64_t oldest = head_.load(std::memory_order_relaxed);
+    for (std::uint64_t step = oldest; step < oldest + 2; ++step) {
+      if (step + 1 == tail || is_beyond(entry(step + 1))) return step;
+    }
+    return first_step(is_beyond) - 1;
   }
 
   // The first step that `is_beyond`; those behind it are, too.

@@ -44,6 +44,11 @@ struct EventPieces {
   const Event& operator[](std::size_t i) const noexcept {
     return i < first.size() ? first[i] : second[i - first.size()];
   }
+  // count <= size()
+  EventPieces oldest(std::size_t count) const noexcept {
+    const std::size_t from_first = std::min(count, first.size());
+    return {first.first(from_first), second.first(count - from_first)};
+  }
 };
 
 template <class Atomics = StdAtomics, std::size_t near = std::size_t{1} << 14>

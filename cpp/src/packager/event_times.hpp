@@ -39,9 +39,10 @@ class EventTimes {
     return by_arrival() ? arrivals_->of(index) : axis_.to_ns(event.t);
   }
 
-  // The end of the waiting events [index, end) that can be treated together.
-  std::uint64_t same_until(std::uint64_t index, std::uint64_t end) const noexcept {
-    return by_arrival() ? arrivals_->same_until(index, end) : end;
+  // Those of the waiting events [index, end) that can be treated together; by stamp all, of no one
+  // time.
+  Together together(std::uint64_t index, std::uint64_t end) const noexcept {
+    return by_arrival() ? arrivals_->together(index, end) : Together{0, end};
   }
 
   // Counts the waiting events before time_ns; the oldest lies at ring index `head`.

@@ -43,11 +43,6 @@ double gamma_of(std::size_t kept, std::size_t seen) noexcept {
   return kept == seen ? 1.0 : static_cast<double>(kept) / static_cast<double>(seen);
 }
 
-EventPieces oldest_of(const EventPieces& waiting, std::size_t count) noexcept {
-  const std::size_t first = std::min(count, waiting.first.size());
-  return {waiting.first.first(first), waiting.second.first(count - first)};
-}
-
 }  // namespace
 
 Packager::Packager(EventBuffer& buffer, const EventTimes& times, Scheme& scheme,
@@ -125,9 +120,10 @@ Packager::Next Packager::next(std::int64_t now_ns, std::uint64_t until) {
     }
     if (decision.raw == 0) continue;  // to be asked again about what is left
 
-    raw_ = decision.stale > 0 ? buffer_.peek(decision.raw) : oldest_of(waiting, decision.raw);
-    oldest_ns_ = decision.stale > 0 ? times_.of(raw_[0], buffer_.head()) : oldest_ns;
-    open(next.package, decision, now_ns);
+    const bool is_first = decision.stale == 0;
+    const EventPieces raw = is_first ? waiting.oldest(decision.raw) : buffer_.peek(decision.raw);
+    oldest_ns_ = is_first ? oldest_ns : times_.of(raw[0], buffer_.head());
+    open(next.package, raw, decision, now_ns);
     if (!is_anytime_) {
       if (decision.budget_ns == kNever || decision.keep == 1.0) {
         add(next.package, 0, decision.raw, {.keep = decision.keep});
@@ -145,8 +141,8 @@ Packager::Next Packager::next(std::int64_t now_ns, std::uint64_t until) {
   }
 }
 
-Decision Packager::ask(const EventPieces& waiting, std::int64_t oldest_ns, std::int64_t now_ns,
-                       bool ended) noexcept {
+inline Decision Packager::ask(const EventPieces& waiting, std::int64_t oldest_ns,
+                              std::int64_t now_ns, bool ended) noexcept {
   const std::uint64_t head = buffer_.head();
   const std::int64_t flush_ns = config_.flush ? oldest_ns + telemetry_.latency.bound_ns() : kNever;
   const bool due =
@@ -173,10 +169,11 @@ Decision Packager::ask(const EventPieces& waiting, std::int64_t oldest_ns, std::
   return decision;
 }
 
-void Packager::open(Package& package, const Decision& decision, std::int64_t now_ns) noexcept {
+inline void Packager::open(Package& package, const EventPieces& raw, const Decision& decision,
+                           std::int64_t now_ns) noexcept {
   handed_out_ = 0;
   told_ = 0;
-  thinner_.begin(raw_, buffer_.head());
+  thinner_.begin(raw, buffer_.head());
   is_anytime_ = config_.execution == Execution::anytime && decision.budget_ns != kNever;
   if (is_anytime_) {
     plan_ = AnytimePlan(decision, now_ns, telemetry_.latency.bound_ns() / kGraceShare);
@@ -218,7 +215,7 @@ void Packager::add_planned(Package& package, const Decision& decision) {
 }
 
 // Decides the package's raw events [begin, end), which follow those before, or as many as fit.
-EventSpan Packager::add(Package& package, std::size_t begin, std::size_t end, Share share) {
+inline EventSpan Packager::add(Package& package, std::size_t begin, std::size_t end, Share share) {
   const EventSpan kept = thinner_.decide(begin, end, share);
   const std::size_t seen = package.offered - package.filtered;
   const std::size_t raw = thinner_.decided();
@@ -229,16 +226,16 @@ EventSpan Packager::add(Package& package, std::size_t begin, std::size_t end, Sh
 }
 
 // Gamma of so many kept events, which are handed out now.
-double Packager::tell(std::size_t kept) noexcept {
+inline double Packager::tell(std::size_t kept) noexcept {
   told_ += untold_;
   return gamma_of(kept, std::exchange(untold_, 0));
 }
 
-Books::Left Packager::leaving(const EventPieces& waiting, std::size_t count,
-                              std::int64_t oldest_ns) const noexcept {
+inline Books::Left Packager::leaving(const EventPieces& waiting, std::size_t count,
+                                     std::int64_t oldest_ns) const noexcept {
   const std::uint64_t last = buffer_.head() + count - 1;
   return {.count = count,
-          .events = oldest_of(waiting, count),
+          .waiting = waiting,
           .oldest_ns = oldest_ns,
           .newest_ns = count == 1 ? oldest_ns : times_.of(waiting[count - 1], last)};
 }
@@ -251,9 +248,9 @@ void Packager::pass_over(std::size_t count) noexcept {
 }
 
 void Packager::complete(const Package& package, std::int64_t end_ns) noexcept {
-  const Books::Left left = leaving(raw_, package.raw, oldest_ns_);
+  const Books::Left left = leaving(thinner_.raw(), package.raw, oldest_ns_);
   if (config_.kept_mask != nullptr) {
-    config_.kept_mask->packaged(raw_, package.raw, package.events);
+    config_.kept_mask->packaged(thinner_.raw(), package.raw, package.events);
   }
   if (package.events.empty()) {
     books_.discarded(package, left);
@@ -265,7 +262,7 @@ void Packager::complete(const Package& package, std::int64_t end_ns) noexcept {
   consume(package.raw);  // last: then the producer may overwrite the events
 }
 
-void Packager::observe(const Package& package, std::int64_t end_ns) noexcept {
+inline void Packager::observe(const Package& package, std::int64_t end_ns) noexcept {
   const EventSpan events = package.events;
   const TimeAxis& axis = times_.axis();
   Outcome outcome{
@@ -282,7 +279,7 @@ void Packager::observe(const Package& package, std::int64_t end_ns) noexcept {
   scheme_.observe(outcome);
 }
 
-void Packager::consume(std::size_t count) noexcept {
+inline void Packager::consume(std::size_t count) noexcept {
   buffer_.consume(count);
   times_.release(buffer_.head());
 }

@@ -101,7 +101,8 @@ class Packager {
  private:
   Decision ask(const EventPieces& waiting, std::int64_t oldest_ns, std::int64_t now_ns,
                bool ended) noexcept;
-  void open(Package& package, const Decision& decision, std::int64_t now_ns) noexcept;
+  void open(Package& package, const EventPieces& raw, const Decision& decision,
+            std::int64_t now_ns) noexcept;
   EventSpan add(Package& package, std::size_t begin, std::size_t end, Share share);
   void add_planned(Package& package, const Decision& decision);
   double tell(std::size_t kept) noexcept;
@@ -121,8 +122,7 @@ class Packager {
   Books books_;
 
   // The package in work.
-  EventPieces raw_{};           // its raw events, and more if it ends early
-  std::int64_t oldest_ns_ = 0;  // time of the first
+  std::int64_t oldest_ns_ = 0;  // time of its first raw event
   AnytimePlan plan_;
   bool is_anytime_ = false;
   std::size_t handed_out_ = 0;  // kept events

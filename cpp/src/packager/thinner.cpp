@@ -51,16 +51,7 @@ void Thinner::prefault() noexcept {
   std::fill_n(numbers_.get(), max_numbers_, std::uint64_t{0});
 }
 
-void Thinner::begin(const EventPieces& raw, std::uint64_t head) noexcept {
-  raw_ = raw;
-  head_ = head;
-  events_ = {};
-  filtered_ = 0;
-  decided_ = 0;
-  kept_times_.clear();
-}
-
-EventSpan Thinner::decide(std::size_t begin, std::size_t end, Share share) {
+EventSpan Thinner::decide_part(std::size_t begin, std::size_t end, Share share) {
   if (before_) return filter_and_thin(begin, end, share);
   const EventPieces raw = part_of(raw_, begin, end);
   const EventSpan slice = raw.first.empty() ? raw.second : raw.first;
@@ -70,19 +61,13 @@ EventSpan Thinner::decide(std::size_t begin, std::size_t end, Share share) {
   return thin(begin, end, share);
 }
 
-// The consumer owns the slots until they are consumed.
-EventSpan Thinner::take_slice(EventSpan slice, std::size_t begin) noexcept {
-  gamma_.skip(slice.size());
-  const std::size_t size = events_.size();
-  events_ = {size == 0 ? slice.data() : events_.data(), size + slice.size()};
-  const std::size_t end = begin + slice.size();
-  for (std::size_t at = begin; times_.by_arrival() && at < end;) {
-    const std::int64_t time_ns = times_.of(raw_[at], head_ + at);
-    at = times_.same_until(head_ + at, head_ + end) - head_;
-    kept_times_.note(size + (at - begin), time_ns);
+// Of the decided events from `begin` on, all kept, beyond the first `size` events of the package.
+void Thinner::note_arrivals(std::size_t begin, std::size_t size) noexcept {
+  for (std::size_t at = begin; at < decided_;) {
+    const Together together = times_.together(head_ + at, head_ + decided_);
+    at = together.until - head_;
+    kept_times_.note(size + (at - begin), together.time_ns);
   }
-  decided_ = end;
-  return slice;
 }
 
 EventSpan Thinner::thin(std::size_t begin, std::size_t end, Share share) noexcept {
@@ -93,12 +78,12 @@ EventSpan Thinner::thin(std::size_t begin, std::size_t end, Share share) noexcep
   const std::size_t before = events_.size();
   std::size_t size = before;
   for (std::size_t& at = decided_; at < end && size < max_copied_;) {
-    const std::size_t together_until = times_.same_until(head_ + at, head_ + end) - head_;
-    const std::size_t until = std::min(together_until, at + (max_copied_ - size));
-    const EventPieces together = part_of(raw_, at, until);
-    size += gamma_.apply(together.first, bar, room_from(size));
-    size += gamma_.apply(together.second, bar, room_from(size));
-    if (times_.by_arrival()) kept_times_.note(size, times_.of(raw_[at], head_ + at));
+    const Together together = times_.together(head_ + at, head_ + end);
+    const std::size_t until = std::min(together.until - head_, at + (max_copied_ - size));
+    const EventPieces raw = part_of(raw_, at, until);
+    size += gamma_.apply(raw.first, bar, room_from(size));
+    size += gamma_.apply(raw.second, bar, room_from(size));
+    if (times_.by_arrival()) kept_times_.note(size, together.time_ns);
     at = until;
   }
   events_ = {kept_.get(), size};
@@ -118,12 +103,12 @@ EventSpan Thinner::filter_and_thin(std::size_t begin, std::size_t end, Share sha
   };
   passed_times_.clear();
   for (std::size_t at = begin; at < end;) {
-    const std::size_t until = times_.same_until(head_ + at, head_ + end) - head_;
-    const EventPieces together = part_of(raw_, at, until);
-    pass(together.first);
-    pass(together.second);
-    passed_times_.note(passed, times_.of(raw_[at], head_ + at));
-    at = until;
+    const Together together = times_.together(head_ + at, head_ + end);
+    const EventPieces raw = part_of(raw_, at, together.until - head_);
+    pass(raw.first);
+    pass(raw.second);
+    passed_times_.note(passed, together.time_ns);
+    at = together.until - head_;
   }
   decided_ = end;
   filtered_ += end - begin - passed;

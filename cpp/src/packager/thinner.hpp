@@ -47,12 +47,26 @@ class Thinner {
   }
 
   // A new package of these waiting events, the first of which lies at ring index `head`.
-  void begin(const EventPieces& raw, std::uint64_t head) noexcept;
+  void begin(const EventPieces& raw, std::uint64_t head) noexcept {
+    raw_ = raw;
+    head_ = head;
+    events_ = {};
+    filtered_ = 0;
+    decided_ = 0;
+    kept_times_.clear();
+  }
 
   // Decides the raw events [begin, end), which follow those before, and returns the kept ones. With
   // a filter in front the share is still that of the raw events, as far as enough of them pass.
   // Where the package is full it ends before: see decided().
-  EventSpan decide(std::size_t begin, std::size_t end, Share share);
+  EventSpan decide(std::size_t begin, std::size_t end, Share share) {
+    const bool is_whole = share.keep >= 1.0 && begin == 0 && end <= raw_.first.size();
+    if (is_whole && !before_) return take_slice(raw_.first.first(end), 0);
+    return decide_part(begin, end, share);
+  }
+
+  // The raw events of the package, and more if it ends early.
+  const EventPieces& raw() const noexcept { return raw_; }
 
   // Raw events of the package that are decided.
   std::size_t decided() const noexcept { return decided_; }
@@ -67,7 +81,17 @@ class Thinner {
   void skip(std::size_t count) noexcept { gamma_.skip(count); }
 
  private:
-  EventSpan take_slice(EventSpan slice, std::size_t begin) noexcept;
+  // The consumer owns the slots until they are consumed.
+  EventSpan take_slice(EventSpan slice, std::size_t begin) noexcept {
+    gamma_.skip(slice.size());
+    const std::size_t size = events_.size();
+    events_ = {size == 0 ? slice.data() : events_.data(), size + slice.size()};
+    decided_ = begin + slice.size();
+    if (times_.by_arrival()) note_arrivals(begin, size);
+    return slice;
+  }
+  void note_arrivals(std::size_t begin, std::size_t size) noexcept;
+  EventSpan decide_part(std::size_t begin, std::size_t end, Share share);
   EventSpan thin(std::size_t begin, std::size_t end, Share share) noexcept;
   EventSpan filter_and_thin(std::size_t begin, std::size_t end, Share share);
   KeepThreshold threshold(std::size_t events, Share share) const noexcept;

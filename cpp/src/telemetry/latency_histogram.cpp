@@ -31,35 +31,8 @@ void LatencyHistogram::clear(std::int64_t bound_ns) noexcept {
   max_ns_ = 0;
 }
 
-std::int64_t LatencyHistogram::bound_ns() const noexcept { return load_relaxed(bound_ns_); }
-
 void LatencyHistogram::set_bound_ns(std::int64_t bound_ns) noexcept {
   store_relaxed(bound_ns_, bound_ns);
-}
-
-void LatencyHistogram::record(std::int64_t latency_ns, std::size_t count) noexcept {
-  latency_ns = std::max<std::int64_t>(latency_ns, 0);
-  const auto value = static_cast<std::uint64_t>(latency_ns);
-  Batch batch(*this);
-  add(bin_of(value), count);
-  batch.count_ = count;
-  batch.within_bound_ = latency_ns <= bound_ns_ ? count : 0U;
-  batch.max_ns_ = latency_ns;
-  // value * count in 128 bits, from halves of 32
-  const std::uint64_t low = (value & 0xffff'ffffU) * count;  // count < 2^32
-  const std::uint64_t high = (value >> 32) * count;
-  batch.sum_low_ = value * count;
-  batch.sum_high_ = (high + (low >> 32)) >> 32;
-}
-
-void LatencyHistogram::book(const Batch& batch) noexcept {
-  const std::uint64_t sum_low = sum_low_ + batch.sum_low_;
-  const std::uint64_t carry = sum_low < batch.sum_low_ ? 1 : 0;
-  store_relaxed(count_, count_ + batch.count_);
-  store_relaxed(within_bound_, within_bound_ + batch.within_bound_);
-  store_relaxed(max_ns_, std::max(max_ns_, batch.max_ns_));
-  store_relaxed(sum_low_, sum_low);
-  store_relaxed(sum_high_, sum_high_ + batch.sum_high_ + carry);
 }
 
 double LatencyHistogram::mean_ns() const noexcept {

@@ -9,19 +9,7 @@ namespace asap::inline v0_1 {
 
 void RunLog::add_block() {
   blocks_.push_back(detail::allocate<PackageRecord>(block_rows_, "log_rows", block_rows_));
-}
-
-void RunLog::append(const PackageRecord& record) noexcept {
-  if (max_rows_ > 0) row(size_) = record;
-  ++size_;
-  const std::uint64_t to_gamma = record.offered - record.filtered;
-  const double gamma = static_cast<double>(record.size) / static_cast<double>(to_gamma);
-  store_relaxed(totals_.count, totals_.count + 1);
-  store_relaxed(totals_.to_gamma, totals_.to_gamma + to_gamma);
-  store_relaxed(totals_.size, totals_.size + record.size);
-  store_relaxed(totals_.size_max, std::max(totals_.size_max, record.size));
-  store_relaxed(totals_.processing_ns, totals_.processing_ns + record.processing_ns);
-  store_relaxed(totals_.gamma_min, std::min(totals_.gamma_min, gamma));
+  begin(blocks_.back());
 }
 
 PackageTotals RunLog::totals() const noexcept {

@@ -79,7 +79,7 @@ struct Live : rl::test_suite<Live<capacity, total>, 3> {
       if (pieces.size() > 0) {
         const std::int64_t first_ns = times.of(head);
         RL_ASSERT(times.before(first_ns, head, pieces.size()) == 0);
-        RL_ASSERT(times.same_until(head, head + pieces.size()) == head + 1);
+        RL_ASSERT(times.together(head, head + pieces.size()).until == head + 1);
         head += pieces.size();
         times.release(head);
         ring.consume(pieces.size());

@@ -26,11 +26,22 @@ class LatencyHistogram {
   // Forgets all, in place.
   void clear(std::int64_t bound_ns) noexcept;
 
-  // A negative latency (a stamp ahead of the clock) counts as 0.
-  void record(std::int64_t latency_ns) noexcept { Batch(*this).record(latency_ns); }
-
-  // `count` < 2^32 events of the same latency.
-  void record(std::int64_t latency_ns, std::size_t count) noexcept;
+  // `count` < 2^32 events of the same latency. A negative one (a stamp ahead of the clock) counts
+  // as 0.
+  void record(std::int64_t latency_ns, std::size_t count = 1) noexcept {
+    latency_ns = std::max<std::int64_t>(latency_ns, 0);
+    const auto value = static_cast<std::uint64_t>(latency_ns);
+    add(bin_of(value), count);
+    Batch batch(*this);
+    batch.count_ = count;
+    batch.within_bound_ = latency_ns <= bound_ns_ ? count : 0U;
+    batch.max_ns_ = latency_ns;
+    // value * count in 128 bits, from halves of 32
+    const std::uint64_t low = (value & 0xffff'ffffU) * count;  // count < 2^32
+    const std::uint64_t high = (value >> 32) * count;
+    batch.sum_low_ = value * count;
+    batch.sum_high_ = (high + (low >> 32)) >> 32;
+  }
 
   // Many events of their own latencies: the sums are booked once, when the batch ends.
   class Batch {
@@ -66,7 +77,9 @@ class LatencyHistogram {
   std::uint64_t count() const noexcept { return count_; }
   std::uint64_t within_bound() const noexcept { return within_bound_; }
   // Any thread.
-  std::int64_t bound_ns() const noexcept;
+  std::int64_t bound_ns() const noexcept {
+    return std::atomic_ref(const_cast<std::int64_t&>(bound_ns_)).load(std::memory_order_relaxed);
+  }
   // Later events are counted within_bound() by this bound.
   void set_bound_ns(std::int64_t bound_ns) noexcept;
   std::int64_t max_ns() const noexcept { return max_ns_; }
@@ -102,10 +115,20 @@ class LatencyHistogram {
     return static_cast<std::size_t>(octave) * kBinsPerOctave +
            static_cast<std::size_t>(value >> octave);
   }
-  void add(std::size_t bin, std::uint64_t count) noexcept {
-    std::atomic_ref(bins_[bin]).store(bins_[bin] + count, std::memory_order_relaxed);
+  template <class Number>
+  static void store(Number& number, Number value) noexcept {
+    std::atomic_ref(number).store(value, std::memory_order_relaxed);
   }
-  void book(const Batch& batch) noexcept;
+  void add(std::size_t bin, std::uint64_t count) noexcept { store(bins_[bin], bins_[bin] + count); }
+  void book(const Batch& batch) noexcept {
+    const std::uint64_t sum_low = sum_low_ + batch.sum_low_;
+    const std::uint64_t carry = sum_low < batch.sum_low_ ? 1 : 0;
+    store(count_, count_ + batch.count_);
+    store(within_bound_, within_bound_ + batch.within_bound_);
+    store(max_ns_, std::max(max_ns_, batch.max_ns_));
+    store(sum_low_, sum_low);
+    store(sum_high_, sum_high_ + batch.sum_high_ + carry);
+  }
   static double middle_of(std::size_t bin) noexcept;
   static std::int64_t max_of(std::size_t bin) noexcept;
 

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -84,6 +85,7 @@ class RunLog {
   void clear() noexcept {
     size_ = 0;
     totals_ = {};
+    begin(blocks_[0]);
   }
 
   // Where stamps lie in run time; before a row is read.
@@ -91,11 +93,27 @@ class RunLog {
 
   // Makes room for the next append(); allocates one block in kBlockRows calls.
   void make_room() {
-    if (size_ == allocated() && max_rows_ == kAllRows) add_block();
+    if (next_ == end_ && max_rows_ == kAllRows) add_block();
   }
 
   // Precondition: make_room() since the last append().
-  void append(const PackageRecord& record) noexcept;
+  void append(const PackageRecord& record) noexcept {
+    if (next_ == end_) begin(blocks_[0]);  // a bounded log begins again at its first row
+    if (max_rows_ > 0) *next_++ = record;
+    ++size_;
+    const auto store = [](auto& number, auto value) {
+      std::atomic_ref(number).store(value, std::memory_order_relaxed);
+    };
+    const std::uint64_t to_gamma = record.offered - record.filtered;
+    store(totals_.count, totals_.count + 1);
+    store(totals_.to_gamma, totals_.to_gamma + to_gamma);
+    store(totals_.size, totals_.size + record.size);
+    store(totals_.size_max, std::max(totals_.size_max, record.size));
+    store(totals_.processing_ns, totals_.processing_ns + record.processing_ns);
+    if (record.size == to_gamma) return;
+    const double gamma = static_cast<double>(record.size) / static_cast<double>(to_gamma);
+    store(totals_.gamma_min, std::min(totals_.gamma_min, gamma));
+  }
 
   // Rows [first(), size()) are kept.
   std::size_t first() const noexcept { return size_ > max_rows_ ? size_ - max_rows_ : 0; }
@@ -107,8 +125,11 @@ class RunLog {
  private:
   using Block = std::unique_ptr<PackageRecord[]>;
 
-  std::size_t allocated() const noexcept { return blocks_.size() * block_rows_; }
   void add_block();
+  void begin(const Block& block) noexcept {
+    next_ = block.get();
+    end_ = next_ + block_rows_;
+  }
   // Where the record of this row lies. Precondition: some are kept.
   PackageRecord& row(std::size_t i) const noexcept {
     const std::size_t place = max_rows_ == kAllRows ? i : i % max_rows_;
@@ -119,6 +140,8 @@ class RunLog {
   const std::size_t block_rows_;
   std::vector<Block> blocks_;
   std::size_t size_ = 0;
+  PackageRecord* next_ = nullptr;  // row of the block ...
+  PackageRecord* end_ = nullptr;   // ... which ends here
   PackageTotals totals_;
   TimeAxis axis_;
 };
