@@ -214,13 +214,14 @@ bool Simulator::Impl::work() {
 
 bool Simulator::Impl::wait(const Packager::Next& next) {
   const std::uint64_t missing = next.until_tail - run_.buffer().tail();
-  const std::size_t by_time = arrivals_by(next.until_ns);
-  if (missing > by_time && by_time == arriving_.size() && next.until_ns >= known_until_ns_) {
-    if (!arriving_.empty()) now_ns_ = run_.axis().to_ns(arriving_.back().t);
-    admit(arriving_.size());
+  const std::size_t known = std::min<std::uint64_t>(missing, arriving_.size());
+  const std::int64_t last_ns = known > 0 ? run_.axis().to_ns(arriving_[known - 1].t) : kLongAgo;
+  if (known < missing && last_ns <= next.until_ns && next.until_ns >= known_until_ns_) {
+    now_ns_ = std::max(now_ns_, last_ns);
+    admit(known);
     return false;
   }
-  now_ns_ = missing <= by_time ? run_.axis().to_ns(arriving_[missing - 1].t) : next.until_ns;
+  now_ns_ = known == missing ? std::min(last_ns, next.until_ns) : next.until_ns;
   is_waiting_ = false;
   return true;
 }
@@ -269,6 +270,7 @@ void Simulator::Impl::go_on() {
 }
 
 void Simulator::Impl::admit(std::size_t count) {
+  if (count == 0) return;
   run_.arrive(arriving_.first(count));
   arriving_ = arriving_.subspan(count);
 }
