@@ -9,7 +9,7 @@ from hypothesis.extra.numpy import arrays
 import asap
 from asap import analysis
 from asap._core import PACKAGE_DTYPE
-from asap.results import numbers, text
+from asap.results import numbers, run_text
 from fake_run import fake_run
 
 EVENT_DTYPE = np.dtype(
@@ -183,7 +183,7 @@ def test_what_the_filter_in_front_takes_out_is_not_the_algorithms_fault():
     run = steady(1e6, filtered=1_000_000)
     assert run.in_time < 0.6
     assert analysis.diagnose(run).limit == "camera"
-    said = text.run_verdict(run)
+    said = run_text.run_verdict(run)
     assert "No event was lost" in said
     assert "filter" in said
 

@@ -166,10 +166,21 @@ def module_of(path: Path) -> str:
 MODULES = {module_of(path): path for path in PRODUCT}
 
 
+def at_load(node: ast.AST) -> Iterator[ast.AST]:
+    """Yield the nodes below a node, but those in functions."""
+    for below in ast.iter_child_nodes(node):
+        if not isinstance(below, (ast.FunctionDef, ast.AsyncFunctionDef)):
+            yield below
+            yield from at_load(below)
+
+
 def imports(path: Path) -> Iterator[str]:
-    """The modules of asap that a file imports, late or for the type checker alone too."""
+    """The modules of asap that a file imports when it is loaded, or for the type checker.
+
+    What a function imports when it is called is no arrow: a result draws itself so.
+    """
     package = path.relative_to(PYTHON_ROOT).parent.parts
-    for node in ast.walk(ast.parse(path.read_text())):
+    for node in at_load(ast.parse(path.read_text())):
         if isinstance(node, ast.Import):
             names = [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom):

@@ -6,8 +6,7 @@ import pytest
 
 import asap
 import streams
-from asap.results import Ledger
-from asap.results import text as text_of
+from asap.results import Ledger, comparison_text, run_text
 from fake_run import empty_run, fake_run
 
 
@@ -26,7 +25,7 @@ RUNS = {
 
 
 def test_every_loss_stands_in_its_own_line_with_its_cause():
-    lines = text_of.format_ledger(RUNS["losses"].ledger).splitlines()
+    lines = run_text.format_ledger(RUNS["losses"].ledger).splitlines()
     counts = {line.split()[0]: int(line.split()[1].replace(",", "")) for line in lines}
     assert counts == RUNS["losses"].ledger
 
@@ -35,7 +34,7 @@ def test_every_loss_stands_in_its_own_line_with_its_cause():
 def test_an_unbalanced_ledger_is_not_hidden(missing):
     received = RUNS["losses"].ledger.received + missing
     ledger = Ledger(**dict(RUNS["losses"].ledger, received=received))
-    assert text_of.format_ledger(ledger).splitlines()[-1] == (
+    assert run_text.format_ledger(ledger).splitlines()[-1] == (
         f"  NOT BALANCED: {missing} events are unaccounted for"
     )
 
@@ -53,10 +52,10 @@ def test_what_is_not_checked_is_said_once(width, height, words):
     sensor = {"width": width, "height": height}
     cost = asap.LinearCost(1, 1)
     run = asap.simulate(streams.make([1, 2]), cost=cost, **sensor)
-    assert text_of.run_subtitle(run.summary()).startswith(f"{words}, 2 events in ")
-    assert text_of.format_run(run).count("not checked") == words.count("not checked")
+    assert run_text.run_subtitle(run.summary()).startswith(f"{words}, 2 events in ")
+    assert run_text.format_run(run).count("not checked") == words.count("not checked")
     comparison = asap.compare(streams.make([1, 2]), cost=cost, **sensor)
-    assert text_of.comparison_subtitle(comparison).startswith(f"{words}, 2 events in ")
+    assert comparison_text.comparison_subtitle(comparison).startswith(f"{words}, 2 events in ")
 
 
 @pytest.mark.parametrize(
@@ -70,7 +69,7 @@ def test_what_is_not_checked_is_said_once(width, height, words):
     ],
 )
 def test_the_verdict_says_what_limits_and_what_was_lost(run, words):
-    verdict = text_of.run_verdict(run)
+    verdict = run_text.run_verdict(run)
     assert all(word in verdict for word in words), verdict
 
 
@@ -81,18 +80,18 @@ def test_a_machine_that_cannot_keep_pace_is_neither_the_cameras_nor_the_schemes_
     """However little was lost: each late push stands for 1 ms."""
     lateness_us = np.repeat([60.0, 8000.0], [1000, late])
     run = steady(1e6, mode="real", rate_bound=1e6 / thinned, lateness_us=lateness_us)
-    verdict = text_of.run_verdict(run)
+    verdict = run_text.run_verdict(run)
     assert "Bottleneck: this machine." in verdict
     share = re.search(r"late, by 8 ms at most .* half the bound for ([\d.]+) % of", verdict)[1]
     assert float(share) == pytest.approx(late / 10, abs=0.2)
     quiet = steady(1e6, mode="real", rate_bound=1e6 / thinned)
-    assert "Bottleneck: this machine." not in text_of.run_verdict(quiet)
+    assert "Bottleneck: this machine." not in run_text.run_verdict(quiet)
 
 
 @pytest.mark.parametrize(("held_s", "is_blamed"), [(0.1, True), (0.0, False), (None, False)])
 def test_a_thread_that_had_no_processor_is_not_the_schemes_fault(held_s, is_blamed):
     run = steady(1e6, rate_bound=None, stale=80_000, mode="real", held_s=held_s)
-    verdict = text_of.run_verdict(dataclasses.replace(run, lateness=None))
+    verdict = run_text.run_verdict(dataclasses.replace(run, lateness=None))
     assert ("Bottleneck: this machine." in verdict) == is_blamed
     assert ("waited for a processor for 100 ms" in verdict) == is_blamed
 

@@ -2,11 +2,7 @@
 
 from __future__ import annotations
 
-import io
 import json
-import struct
-import tracemalloc
-import zipfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -30,28 +26,6 @@ def run() -> asap.Run:
 @pytest.fixture
 def path(run: asap.Run, tmp_path: Path) -> Path:
     return run.save(tmp_path / "run.npz")
-
-
-def members(path: Path) -> dict[str, bytes]:
-    with zipfile.ZipFile(path) as archive:
-        return {name: archive.read(name) for name in archive.namelist()}
-
-
-def rewrite(path: Path, compression: int = zipfile.ZIP_DEFLATED, **changed: bytes | None) -> Path:
-    """Replace members of an archive by their names, a dot written as two underscores."""
-    changed = {name.replace("__", "."): content for name, content in changed.items()}
-    found: dict[str, bytes | None] = {**members(path), **changed}
-    with zipfile.ZipFile(path, "w", compression) as archive:
-        for name, content in found.items():
-            if content is not None:
-                archive.writestr(name, content)
-    return path
-
-
-def npy(array: Any) -> bytes:
-    file = io.BytesIO()
-    np.save(file, array)
-    return file.getvalue()
 
 
 # ---- forms ----------------------------------------------------------------------------------
@@ -134,36 +108,13 @@ class Evil:
         return print, (MAGIC,)
 
 
-def changed(path: Path, **fields: Any) -> bytes:
-    document = json.loads(members(path)["summary.json"])
-    for name, value in fields.items():
-        (document if name in document else document["packages"])[name] = value
-    return json.dumps(document).encode()
-
-
-LIES: dict[str, tuple[Callable[[Path], dict[str, Any]], str]] = {
-    "a pickle": (
-        lambda _: {"size__npy": npy(np.array([Evil()], object))},
-        "size.*never unpickled",
-    ),
-    "no summary": (lambda _: {"summary__json": None}, r"summary\.json"),
-    "no column": (lambda _: {"size__npy": None}, r"size\.npy"),
-    "no start": (lambda _: {"start_us__npy": None}, r"start_us\.npy"),
-    "a short column": (lambda _: {"size__npy": npy(np.ones(3, np.int64))}, r"size.*\(3,\)"),
-    "two dimensions": (lambda _: {"size__npy": npy(np.ones((3, 3), np.int64))}, r"size.*\(3, 3\)"),
-    "another type": (lambda _: {"size__npy": npy(np.ones(3, np.uint8))}, "size.*uint8"),
-    "text": (lambda _: {"size__npy": npy(np.array(["a"] * 3))}, "size.*<U1"),
-    "a column of other bytes": (lambda _: {"size__npy": b"\x93NUMPY\x01\x00"}, "size"),
-    "another version": (
-        lambda path: {"summary__json": changed(path, schema_version=2, version="9.1")},
-        r"schema_version = 2: .*reads 1.*9\.1",
-    ),
-    "more packages than there are": (
-        lambda path: {"summary__json": changed(path, count=2**40)},
-        r"\.npy = \(\d+,\): .*1099511627776",
-    ),
-    "NaN": (lambda path: {"summary__json": b'{"schema_version": NaN}'}, "NaN"),
-    "no JSON": (lambda path: {"summary__json": b"PK"}, "Expecting value"),
+LIES: dict[str, tuple[str, Any, str]] = {
+    "a pickle": ("size", np.array([Evil()], object), "allow_pickle"),
+    "no summary": ("summary", None, "summary"),
+    "no column": ("start_us", None, "start_us"),
+    "a short column": ("size", np.ones(3, np.int64), r"size = int64\(3,\)"),
+    "another type": ("offered", np.ones(3, np.uint8), r"offered = uint8\(3,\)"),
+    "no JSON": ("latencies", np.array("PK"), "Expecting value"),
 }
 
 
@@ -171,40 +122,14 @@ LIES: dict[str, tuple[Callable[[Path], dict[str, Any]], str]] = {
 def test_an_archive_that_lies_is_refused(
     path: Path, lie: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    make, words = LIES[lie]
-    rewrite(path, **make(path))
+    name, content, words = LIES[lie]
+    with np.load(path) as archive:
+        arrays = dict(archive) | {name: content}
+    np.savez(path, **{name: array for name, array in arrays.items() if array is not None})
     with pytest.raises(ValueError, match=f"not a run that asap has saved .*{words}") as caught:
         asap.load_run(path)
     assert "run.save(path)" in str(caught.value) and "\n" not in str(caught.value)
     assert not capsys.readouterr().out
-
-
-def peak_bytes(path: Path, words: str) -> int:
-    tracemalloc.start()
-    try:
-        with pytest.raises(ValueError, match=words):
-            asap.load_run(path)
-        return tracemalloc.get_traced_memory()[1]
-    finally:
-        tracemalloc.stop()
-
-
-def test_bombs_take_no_memory(path: Path) -> None:
-    zeros = bytes(40_000_000)
-    count = 5_000_000
-    rewrite(path, summary__json=zeros)
-    assert peak_bytes(path, r"summary\.json = 40000000 bytes") < 4e6
-    path.unlink()
-    header = npy(np.zeros(0)).replace(b"(0,)", f"({count},)".encode())[:128]
-    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
-        for number in range(8):
-            archive.writestr(f"{number}.npy", header + zeros)
-    content = bytearray(path.read_bytes())
-    place = -1
-    while (place := content.find(b"PK\x01\x02", place + 1)) >= 0:
-        content[place + 24 : place + 28] = struct.pack("<I", 2**31)
-    path.write_bytes(content)
-    assert peak_bytes(path, "decompresses to 17179869184 bytes, more than 1000 times") < 4e6
 
 
 def test_any_cut_and_any_changed_byte_is_refused_or_harmless(run: asap.Run, path: Path) -> None:
@@ -228,7 +153,11 @@ def test_a_summary_is_read_for_what_does_not_follow_from_the_rest(
     path = tmp_path / "run.json"
     path.write_text(json.dumps(run.summary() | {"kept": None}))
     assert asap.load_run(path).summary() == run.summary()
-    for broken in ({"schema_version": 99}, {"scheme": 3}, {"ledger": {"stale?": 1}}):
-        path.write_text(json.dumps(run.summary() | broken))
+    summaries = [
+        json.dumps(run.summary() | broken)
+        for broken in ({"schema_version": 99}, {"scheme": 3}, {"ledger": {"stale?": 1}})
+    ]
+    for content in (*summaries, "", "[]", "[" * 100_000, '{"schema_version": NaN}'):
+        path.write_text(content)
         with pytest.raises(ValueError, match="not a run that asap has saved"):
             asap.load_run(path)

@@ -22,7 +22,7 @@ EXAMPLES = {
     "cameras": "asap cameras",
     "compare": "asap compare flight.aedat4 --cost 100us+300ns --report flight.html",
     "info": "asap info flight.aedat4",
-    "check": "asap check flight.aedat4 --report flight.html",
+    "check": "asap check flight.aedat4",
     "convert": "asap convert flight.aedat4 flight.npz",
     "report": "asap report run.npz --out run.html",
     "completion": 'eval "$(asap completion bash)"',

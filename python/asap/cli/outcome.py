@@ -116,13 +116,13 @@ def show(
     *files: tuple[Path | None, Callable[[Path], object]],
     written: tuple[Path | None, ...] = (),
 ) -> int:
-    """Write files and the page about a result, and print it: a table, or the object of ``--json``.
+    """Write the files of a result, and print it: a table, or the object of ``--json``.
 
     Return the exit code: what cannot be written is told, and keeps nothing else from being shown.
     """
     done: list[Path] = []
     failures: list[str] = []
-    for path, write in (*files, (arguments.report, result.report)):
+    for path, write in files:
         if path is None:
             continue
         try:
@@ -151,7 +151,11 @@ def code_of(result: Any) -> int:
 
 def hand_over(run: Any, arguments: Any, tracks: Any, *written: Path | None) -> int:
     """Write what ``--save``, ``--tracks``, ``--video`` and ``--report`` ask for; show the run."""
-    files = [(arguments.save, run.save), (arguments.video, run.animate)]
+    files = [
+        (arguments.save, run.save),
+        (arguments.video, run.animate),
+        (arguments.report, run.report),
+    ]
     if tracks is not None:
         files.insert(1, (arguments.tracks, tracks.save))
     return show(run, arguments, *files, written=written) or code_of(run)

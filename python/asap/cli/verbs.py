@@ -56,7 +56,6 @@ from asap.cli.outcome import (
     writing,
 )
 from asap.io.errors import CutFile
-from asap.results import text
 
 
 def _add_demo(verbs: Any) -> None:
@@ -84,7 +83,7 @@ def _demo(arguments: Any) -> int:
         )
     else:
         for run, of_run in zip(experiments, claims, strict=True):
-            print(text.format_run(run), end="\n\n")
+            print(run, end="\n\n")
             for claim in of_run:
                 print(f"  {'holds' if claim.holds else 'FAILS':<7}{claim.sentence}")
                 print(textwrap.indent(textwrap.fill(claim.seen, 69), " " * 9))
@@ -273,7 +272,7 @@ def _compare(arguments: Any) -> int:
             on_bad=arguments.on_bad,
             on_progress=on_progress,
         )
-    return show(comparison, arguments) or code_of(comparison)
+    return show(comparison, arguments, (arguments.report, comparison.report)) or code_of(comparison)
 
 
 def _add_info(verbs: Any) -> None:
@@ -319,12 +318,9 @@ def _info(arguments: Any) -> int:
 def _add_check(verbs: Any) -> None:
     verb = add_verb(verbs, "check", _check, "what is wrong with a recording, where, and what helps")
     add_recording(verb, on_bad=False)
-    add_report(verb)
 
 
 def _check(arguments: Any) -> int:
-    if arguments.report:
-        need_report()
     with reading(arguments), _progress.on_terminal() as on_progress:
         inspection = asap.check(_as_source(arguments), on_progress=on_progress)
     code = show(inspection, arguments)

@@ -18,7 +18,7 @@ from asap import _checks
 from asap.experiment.runners import Progress
 from asap.io import Recording
 from asap.io.errors import library
-from asap.results.data import can_be_pickled
+from asap.results.result import can_be_pickled
 
 _TRIES = 2
 _MODULE = "define it at the top of a module, or give executor=ThreadPoolExecutor()"

@@ -16,7 +16,8 @@ from asap.events import events_of_argument
 from asap.experiment.runners import as_scheme, execution_of, make_config
 from asap.experiment.telemetry import Log, TelemetryFile
 from asap.results import Ledger, Named
-from asap.results.data import SCHEMA_VERSION, latency_us
+from asap.results.result import SCHEMA_VERSION
+from asap.results.run import latency_us
 
 _CHUNK = 1 << 16  # events pushed without another thread's turn
 

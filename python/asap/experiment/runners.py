@@ -11,7 +11,7 @@ from asap import _checks, _core
 from asap.experiment.source import Source
 from asap.experiment.tracks import Tracks
 from asap.results import Ledger, Run
-from asap.results.data import with_first
+from asap.results.run import with_first
 
 Progress = Callable[[int, "int | None", dict[str, int]], object]
 

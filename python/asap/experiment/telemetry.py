@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asap import _checks, _core
-from asap.results.data import LEDGER_FIELDS
+from asap.results.run import LEDGER_FIELDS
 
 Rows = NDArray[np.void]
 Watcher = Callable[[Rows], object]

@@ -16,7 +16,7 @@ from asap import _core
 from asap._foreign import HEAD
 from asap._order import NEW_EPOCH_US
 from asap.events import EVENT_DTYPE, Events
-from asap.results.data import BINS_FROM_US
+from asap.results.inspection import BINS_FROM_US
 from asap.results.numbers import PeakCount
 
 Integers = npt.NDArray[np.int64]

@@ -13,7 +13,7 @@ import os
 import shutil
 import struct
 import zipfile
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from tempfile import TemporaryFile
@@ -118,16 +118,6 @@ def _member(archive: zipfile.ZipFile, name: str) -> IO[bytes]:
     info = zipfile.ZipInfo(f"{name}.npy")  # dated 1980: the same events give the same bytes
     info.compress_type = zipfile.ZIP_DEFLATED
     return archive.open(info, "w", force_zip64=True)
-
-
-def write_archive(path: Path, members: Mapping[str, bytes | npt.NDArray[Any]]) -> None:
-    """Write bytes and arrays as the members of an ``.npz``."""
-    with replacing(path) as file, zipfile.ZipFile(file, "w") as archive:
-        for name, content in members.items():
-            if isinstance(content, np.ndarray):
-                content = _npy_header(content.dtype, len(content)) + content.tobytes()
-            info = zipfile.ZipInfo(name)
-            archive.writestr(info, content, zipfile.ZIP_DEFLATED, compresslevel=1)
 
 
 def _npy_header(dtype: np.dtype[Any], count: int) -> bytes:

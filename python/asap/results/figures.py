@@ -17,8 +17,10 @@ from numpy.typing import NDArray
 from asap import _checks, _core, _units
 from asap.events import events_of_argument
 from asap.results import numbers
+from asap.results.comparison import Comparison, Row
 from asap.results.cost import BOUND_KEPT, Floats
-from asap.results.data import BINS_FROM_US, Comparison, Inspection, Row, Run
+from asap.results.inspection import BINS_FROM_US, Inspection
+from asap.results.run import Run
 
 try:
     import matplotlib

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from asap import _checks
 from asap.events import events_of_argument
 from asap.results.cost import Cost, Floats, bound_needed_us, fit
-from asap.results.data import Run, check_run
+from asap.results.run import Run, check_run
 
 _MAX_BINS = 10_000_000
 _FAR = 3.5  # sigma of the noise of a cost

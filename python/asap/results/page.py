@@ -18,8 +18,12 @@ import numpy as np
 
 from asap import _checks, _units
 from asap.io.writers import replacing
-from asap.results import figures, text  # figures first: it says which extra is missing
-from asap.results.data import Comparison, Inspection, Run, flat
+from asap.results import figures, html  # figures first: it says which extra is missing
+from asap.results.comparison import Comparison
+from asap.results.comparison_text import COLUMNS, comparison_html
+from asap.results.result import flat
+from asap.results.run import Run
+from asap.results.run_text import parameter_value, run_html, run_title
 
 try:
     import jinja2
@@ -83,9 +87,9 @@ def write(
     """Write a page and return its path; `above` is HTML, `style` CSS, both of the caller's own."""
     file = _checks.page_file("path", path)
     template = _TEMPLATES.get_template("page.html")
-    html = template.render(title=title, articles=articles, above=above, style=style)
+    page = template.render(title=title, articles=articles, above=above, style=style)
     with replacing(file) as opened:
-        opened.write(html.encode(errors="replace"))  # a file name may be no text
+        opened.write(page.encode(errors="replace"))  # a file name may be no text
     return file
 
 
@@ -108,22 +112,15 @@ def write_comparison(
     return write(path, title, _articles_of_comparison(comparison))
 
 
-def write_inspection(
-    inspection: Inspection, path: str | os.PathLike[str], title: str = "ASAP inspection"
-) -> Path:
-    """Write one page about an inspection."""
-    return write(path, title, _articles_of_inspection(inspection))
-
-
 def _articles_of_run(run: Run) -> Iterator[Article]:
     summary = _shortened(run.summary())
     yield Article(
         "run",
         summary,
-        text.run_html(run),
+        run_html(run),
         None if run.without_log else figures.figure(run),
         "What the closed loop did: rates and shares in windows of time, the rest by package.",
-        {"All numbers of this run": text.table((), _all_numbers(summary))},
+        {"All numbers of this run": html.table((), _all_numbers(summary))},
     )
     tracks = getattr(run.algorithm, "tracks", None)
     if isinstance(tracks, np.ndarray) and {"id", "x", "y"} <= set(tracks.dtype.names or ()):
@@ -131,7 +128,7 @@ def _articles_of_run(run: Run) -> Iterator[Article]:
         yield Article(
             "tracks",
             {"tracks": found, "rows": int(tracks.size)},
-            text.heading(f"Tracks of {_units.count(found)} objects"),
+            html.heading(f"Tracks of {_units.count(found)} objects"),
             figures.tracks_figure(tracks, getattr(run.algorithm, "seen", None)),
             "Where the objects went, the 40 longest tracks in colour and named at their ends. "
             "Grey: some of the events.",
@@ -142,7 +139,7 @@ def _side_by_side(runs: Sequence[Run]) -> str:
     head = ("run", "kept", "in time", "p50", "p99", "max", "overflow")
     rows = [
         (
-            text.run_title(run.summary()),
+            run_title(run.summary()),
             _units.share(run.kept),
             _units.share(run.in_time),
             *(_units.duration(run.latency.quantile(q)) for q in (0.5, 0.99)),
@@ -151,7 +148,7 @@ def _side_by_side(runs: Sequence[Run]) -> str:
         )
         for run in runs
     ]
-    return text.heading("Side by side") + text.table(head, rows)
+    return html.heading("Side by side") + html.table(head, rows)
 
 
 def _articles_of_comparison(comparison: Comparison) -> Iterator[Article]:
@@ -160,7 +157,7 @@ def _articles_of_comparison(comparison: Comparison) -> Iterator[Article]:
             row.label,
             row.scheme,
             ", ".join(
-                f"{name} {text.parameter_value(value)}"
+                f"{name} {parameter_value(value)}"
                 for name, value in comparison.runs[row.label].scheme.parameters.items()
             ),
         )
@@ -169,39 +166,13 @@ def _articles_of_comparison(comparison: Comparison) -> Iterator[Article]:
     yield Article(
         "comparison",
         comparison.summary(),
-        text.comparison_html(comparison),
+        comparison_html(comparison),
         figures.comparison_figure(comparison),
         "Every scheme over time: the largest latency of the events of each moment, and the share "
         "of the events that was finished. Latencies beyond 100 L are drawn at 100 L.",
         {
-            "What the columns say": text.table((), text.COLUMNS.items()),
-            "The schemes and their parameters": text.table((), parameters),
-        },
-    )
-
-
-def _articles_of_inspection(inspection: Inspection) -> Iterator[Article]:
-    hot = {(x, y) for x, y, _ in inspection.hot_pixels.tolist()}
-    busiest = (
-        (
-            f"x = {x}, y = {y}",
-            _units.count(events),
-            _units.share(events / inspection.events),
-            "hot" if (x, y) in hot else "",
-        )
-        for x, y, events in inspection.busiest_pixels.tolist()
-    )
-    checks = ((name.replace("_", " "), words) for name, words in text.CHECKS.items())
-    yield Article(
-        "inspection",
-        inspection.summary(),
-        text.inspection_html(inspection),
-        figures.inspection_figure(inspection),
-        "The good events: how many in each moment, how long after the one before, and how many of "
-        "each pixel.",
-        {
-            "The ten busiest pixels": text.table((), busiest),
-            "What is checked": text.table((), checks),
+            "What the columns say": html.table((), COLUMNS.items()),
+            "The schemes and their parameters": html.table((), parameters),
         },
     )
 

@@ -1,32 +1,27 @@
-"""A run as a file: written by `Run.save` and read back.
+"""A run as a file: written by `Run.save` and read back by `load_run`.
 
-A ``.npz`` holds the summary, the latencies and every column of `run.packages` as an array of its
-own; a ``.json`` is the summary alone. Nothing is unpickled, sizes are checked before memory is
-taken; what the numbers say is the user's own. Texts are only ever shown, and escaped.
+A ``.npz`` holds every column of `run.packages` as an array of its own, and the summary and the
+latencies as texts of JSON; a ``.json`` is the summary alone. Nothing is unpickled; what the numbers
+say is the user's own. Texts are only ever shown, and escaped.
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+import os
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeVar, cast
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from asap import _checks, _core
-from asap.io.errors import CorruptFile
-from asap.io.numpy_files import Archive
-from asap.io.writers import write_archive
+from asap.io.errors import CorruptFile, foreign
+from asap.io.writers import replacing
 from asap.results.cost import Cost
-from asap.results.data import SCHEMA_VERSION, Ledger, Named, Run, check_run, with_first
-
-_SUMMARY, _LATENCIES = "summary.json", "latencies.json"
-_LONGEST_SUMMARY = 1 << 24  # bytes
-
-AnyRun = TypeVar("AnyRun", bound=Run)
+from asap.results.result import SCHEMA_VERSION, Named
+from asap.results.run import Ledger, Run, check_run, with_first
 
 
 def check_name(path: Path) -> None:
@@ -39,46 +34,58 @@ def write(run: Run, path: Path) -> None:
     """Write summary, latencies and log of a run."""
     check_run(run)
     latencies = [run.latency.state(), run.lateness.state() if run.lateness else None]
-    members: dict[str, Any] = {
-        _SUMMARY: json.dumps(run.summary(), allow_nan=False).encode(),
-        _LATENCIES: json.dumps(latencies, allow_nan=False).encode(),
+    columns: dict[str, Any] = {name: run.packages[name] for name in run.packages.dtype.names or ()}
+    texts = {"summary": run.summary(), "latencies": latencies}
+    told: dict[str, Any] = {
+        name: np.array(json.dumps(value, allow_nan=False)) for name, value in texts.items()
     }
-    for name in run.packages.dtype.names or ():
-        members[f"{name}.npy"] = np.ascontiguousarray(run.packages[name])
-    write_archive(path, members)
+    with replacing(path) as opened:
+        np.savez_compressed(opened, **columns, **told)
 
 
-def read(path: Path, make: Callable[..., AnyRun]) -> AnyRun:
-    """Read either form, and `make` a run of what it holds."""
+def load_run(path: str | os.PathLike[str]) -> Run:
+    """Read a run that `Run.save` wrote, or the summary that ``asap run --json`` printed.
+
+    From a ``.npz`` come log and summary; from a ``.json`` the summary alone: `packages` is empty,
+    `without_log` is True, and `latency` knows the quantiles 0.5, 0.99 and 1. Scheme and algorithm
+    come back as names and parameters. Nothing is unpickled.
+
+    Raises
+    ------
+    ValueError
+        The file holds no run, or one of another version.
+    OSError
+        The file cannot be read, or is a pipe, a socket or a device.
+    """
+    file = _checks.folder_or_file("path", path)
     try:
-        _checks.regular_file(path)
-        with path.open("rb") as opened:
+        _checks.regular_file(file)
+        with file.open("rb") as opened:
             is_archive = opened.read(2) == b"PK"
-        return (_from_archive if is_archive else _from_json)(path, make)
+        return _from_archive(file) if is_archive else _from_json(file)
     except (KeyError, TypeError, ValueError, OverflowError, RecursionError) as error:
         fault = error.fault if isinstance(error, CorruptFile) else str(error)
         raise ValueError(
-            f"{path}: not a run that asap has saved ({' '.join(fault.split())}); "
+            f"{file}: not a run that asap has saved ({' '.join(fault.split())}); "
             "make one with run.save(path) or asap run --save PATH"
         ) from error
 
 
-def _from_archive(path: Path, make: Callable[..., AnyRun]) -> AnyRun:
-    archive = Archive(path)
-    summary = _parsed(archive.read(_SUMMARY, _LONGEST_SUMMARY))
-    count = summary["packages"]["count"]
-    latency, lateness = _parsed(archive.read(_LATENCIES, _LONGEST_SUMMARY))
-    return make(
-        packages=_packages(archive, count),
+def _from_archive(path: Path) -> Run:
+    with foreign(path), path.open("rb") as opened:
+        with np.load(opened, allow_pickle=False) as archive:
+            found = dict(archive)
+        latency, lateness = _parsed(str(found.pop("latencies")))
+        summary = _parsed(str(found.pop("summary")))
+    return Run(
+        packages=_packages(found, summary["packages"]["count"]),
         latency=_histogram(latency),
         lateness=_histogram(lateness) if lateness else None,
         **_facts(summary),
     )
 
 
-def _from_json(path: Path, make: Callable[..., AnyRun]) -> AnyRun:
-    if (size := path.stat().st_size) > _LONGEST_SUMMARY:
-        raise ValueError(f"size = {size} bytes: a summary takes less than {_LONGEST_SUMMARY}")
+def _from_json(path: Path) -> Run:
     document = _parsed(path.read_bytes())
     facts = _facts(document)
     log = {name: document[name] for name in _LOG}
@@ -87,7 +94,7 @@ def _from_json(path: Path, make: Callable[..., AnyRun]) -> AnyRun:
     counts = facts["ledger"].delivered, round(in_time * facts["ledger"].received)
     both_us = (document[name] for name in ("latency_us", "pacing_us"))
     latency, lateness = (us and _SummedUp(*counts, **us) for us in both_us)
-    run = make(
+    run = Run(
         packages=np.zeros(0, _core.PACKAGE_DTYPE),
         latency=cast("_core.LatencyHistogram", latency),
         lateness=cast("_core.LatencyHistogram | None", lateness),
@@ -117,14 +124,15 @@ class _SummedUp:
         return known[q]
 
 
-def _packages(archive: Archive, count: int) -> NDArray[np.void]:
-    kinds = {name: _core.PACKAGE_DTYPE[name] for name in _core.PACKAGE_DTYPE.names or ()}
-    if "first" in archive:  # with keep_mask=True
-        kinds["first"] = np.dtype("<i8")
-    columns = {name: archive.column(name, kind, count) for name, kind in kinds.items()}
+def _packages(columns: dict[str, NDArray[Any]], count: int) -> NDArray[np.void]:
     packages = np.empty(count, _core.PACKAGE_DTYPE)
-    for name in packages.dtype.names or ():
-        packages[name] = columns[name]
+    names = packages.dtype.names or ()
+    for name in (*names, "first") if "first" in columns else names:
+        column, kind = columns[name], packages.dtype[name] if name in names else np.dtype("<i8")
+        if column.shape != (count,) or column.dtype != kind:
+            raise ValueError(f"{name} = {column.dtype}{column.shape}: not {count} of {kind}")
+        if name in names:
+            packages[name] = column
     packages.flags.writeable = False
     return packages if "first" not in columns else with_first(packages, columns["first"])
 
@@ -143,7 +151,7 @@ _FACTS = (
 _LOG = ("bound_needed_us", "packages", "gamma", "cpu")
 
 
-def _parsed(text: bytes) -> Any:
+def _parsed(text: str | bytes) -> Any:
     return json.loads(text, parse_constant=_no_number)
 
 

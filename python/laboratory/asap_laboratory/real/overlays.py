@@ -13,8 +13,8 @@ from pathlib import Path
 
 import numpy as np
 
+from asap.results import html
 from asap.results import page as pages
-from asap.results import text
 from asap_laboratory.real.mistakes import Span, mistakes, spans
 from asap_laboratory.real.pictures import STYLE, hue, overlay
 from asap_laboratory.rivals.recordings import CELLS, HEAD, Followed
@@ -56,7 +56,7 @@ def write(
     path: Path, sets: Sequence[Followed], *, left_out: Sequence[str] = (), command: str
 ) -> Path:
     """Write the page; `left_out`: why recordings are not on it; `command`: what gives the same."""
-    table = text.table(tuple(HEAD.values()), [_cells(one) for one in sets])
+    table = html.table(tuple(HEAD.values()), [_cells(one) for one in sets])
     notes = "".join(f'<p class="sub">Left out: {escape(words)}</p>' for words in left_out)
     return pages.write(
         path,
