@@ -1,4 +1,4 @@
-"""What Deadline keeps within its bound, by the cases of the page, on one seed that it does not use."""
+"""What Deadline keeps within its bound: cases of the page, on a seed that it does not use."""
 
 from __future__ import annotations
 
