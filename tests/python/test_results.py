@@ -83,9 +83,9 @@ def test_a_summary_is_saved(result: Any, tmp_path: Path) -> None:
 
 def test_a_figure_and_a_page(result: Any, tmp_path: Path) -> None:
     pytest.importorskip("matplotlib")
-    assert result.plot().axes
     if isinstance(result, asap.Inspection):
-        return
+        pytest.skip("a table alone")
+    assert result.plot().axes
     path = result.report(tmp_path / "out.html")
     assert path == tmp_path / "out.html"
     page = path.read_text("utf-8")

@@ -96,7 +96,6 @@ def check(
         busiest_pixels=meters.pixels.busiest(),
         pixel_counts=meters.pixels.counts,
         interval_counts=meters.steps.counts,
-        rate_curve=meters.curve.curves(),
     )
 
 

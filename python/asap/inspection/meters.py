@@ -20,7 +20,6 @@ from asap.results.inspection import BINS_FROM_US
 from asap.results.numbers import PeakCount
 
 Integers = npt.NDArray[np.int64]
-Floats = npt.NDArray[np.float64]
 
 _LAST_US = 1 << 52
 _MAX_STAMP_US = _LAST_US - (1 << 50)  # beyond it the core refuses a stamp
@@ -201,54 +200,6 @@ class Alone:
         return float(np.exp(-8 * per_pixel))
 
 
-_BINS = 1 << 14  # windows of the curve; even
-
-
-class RateCurve:
-    """The rate in every ms, while they fit; then mean and largest of 2, 4, 8 ... ms."""
-
-    def __init__(self) -> None:
-        self.bin_ms = 1
-        self._counts = np.zeros(_BINS, np.int64)
-        self._peaks = np.zeros(_BINS, np.int64)
-        self._open_ms, self._open_count = 0, 0
-
-    def add(self, elapsed_us: npt.NDArray[np.int64]) -> None:
-        """See the times of a block, which is not empty."""
-        windows, counts = np.unique(elapsed_us // 1000, return_counts=True)
-        if windows[0] == self._open_ms:
-            counts[0] += self._open_count
-        else:
-            self._book(np.array([self._open_ms]), np.array([self._open_count]))
-        self._book(windows[:-1], counts[:-1])
-        self._open_ms, self._open_count = int(windows[-1]), int(counts[-1])
-
-    def curves(self) -> Floats:
-        """Rows: begin of a window in s from the first event; mean and largest 1-ms rate in ev/s."""
-        self._book(np.array([self._open_ms]), np.array([self._open_count]))
-        self._open_count = 0
-        length = self._open_ms // self.bin_ms + 1
-        time_s = np.arange(length, dtype=np.float64) * (self.bin_ms / 1e3)
-        mean_hz = self._counts[:length].astype(np.float64) * (1e3 / self.bin_ms)
-        return np.column_stack((time_s, mean_hz, self._peaks[:length].astype(np.float64) * 1e3))
-
-    def _book(self, windows: npt.NDArray[np.int64], counts: npt.NDArray[np.int64]) -> None:
-        if windows.size == 0:
-            return
-        while windows[-1] >= _BINS * self.bin_ms:
-            self._fold()
-        at = windows // self.bin_ms
-        np.add.at(self._counts, at, counts)
-        np.maximum.at(self._peaks, at, counts)
-
-    def _fold(self) -> None:
-        half = _BINS // 2
-        self._counts[:half] = self._counts.reshape(-1, 2).sum(axis=1)
-        self._peaks[:half] = self._peaks.reshape(-1, 2).max(axis=1)
-        self._counts[half:] = self._peaks[half:] = 0
-        self.bin_ms *= 2
-
-
 class PixelMap:
     """Counts of shape (height, width); without a sensor size it grows as far as events go."""
 
@@ -318,7 +269,6 @@ class Meters:
     def __init__(self, width: int | None, height: int | None) -> None:
         self.steps = Steps()
         self.pixels = PixelMap(width, height)
-        self.curve = RateCurve()
         sides = (width or 0, height or 0)
         self.alone = Alone(*sides) if 0 < min(sides) <= max(sides) <= MAX_SIDE else None
         self._windows = {ms: PeakCount(ms * 1000) for ms in (1, 10, 100)}
@@ -340,7 +290,6 @@ class Meters:
         self.pixels.add(passed)
         if self.alone is not None:
             self.alone.add(passed)
-        self.curve.add(t - self._begin_us)
         for window in self._windows.values():
             window.add(t - self._begin_us)
 

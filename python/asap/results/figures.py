@@ -19,12 +19,10 @@ from asap.events import events_of_argument
 from asap.results import numbers
 from asap.results.comparison import Comparison, Row
 from asap.results.cost import BOUND_KEPT, Floats
-from asap.results.inspection import BINS_FROM_US, Inspection
 from asap.results.run import Run
 
 try:
     import matplotlib
-    from matplotlib.colors import LogNorm
     from matplotlib.figure import Figure, SubFigure
     from matplotlib.patches import Ellipse, Patch, Rectangle
     from matplotlib.ticker import LogLocator, NullLocator
@@ -581,88 +579,3 @@ def _name(latency: Axes, kept: Axes, row: Row) -> None:
     )
     kept.set_title(f"score {_units.score(row.score)}")
     kept.set_title(f"kept {_units.share(row.kept)}", **plain)
-
-
-# ---- an inspection -----------------------------------------------------------------------------
-
-_MARKED = 50  # hot pixels with a circle
-_MOST_LABELS = 11  # more octaves would run into each other
-
-
-def inspection_figure(inspection: Inspection) -> Figure:
-    """Draw rate over time, times between events, and the pixels with circles around hot ones."""
-    with matplotlib.rc_context(STYLE):
-        page = NotebookFigure(figsize=(7.5, 8.6), layout="constrained")
-        rate, intervals, pixels = page.subplots(3, 1, height_ratios=(1, 0.9, 2.6))
-        _draw_rate_curve(rate, inspection)
-        _draw_intervals(intervals, inspection)
-        _draw_pixels(pixels, inspection)
-    return page
-
-
-def _draw_rate_curve(axes: Axes, inspection: Inspection) -> None:
-    time_s, mean_hz, peak_hz = inspection.rate_curve.T
-    unit, scale = _units.rate_axis(peak_hz.max(initial=0))
-    window_ms = 1e3 * (time_s[1] - time_s[0]) if time_s.size > 1 else 1.0
-    if window_ms > 1.5:
-        axes.plot(
-            *numbers.decimate(time_s, peak_hz * scale, 2000),
-            color=FAINT,
-            label="largest in 1 ms",
-        )
-    axes.plot(
-        *numbers.decimate(time_s, mean_hz * scale, 2000),
-        color=BLUE,
-        drawstyle="steps-post",
-        label=f"in {window_ms:.0f} ms",
-    )
-    axes.set(title="event rate", xlabel="time from the first event [s]", ylabel=unit)
-    axes.set_ylim(bottom=0)
-    axes.margins(x=0.01)
-    _legend(axes)
-
-
-def _draw_intervals(axes: Axes, inspection: Inspection) -> None:
-    counts = inspection.interval_counts
-    total = max(int(counts.sum()), 1)
-    last = int(np.flatnonzero(counts)[-1]) if counts.any() else 0
-    axes.bar(np.arange(last + 1), 100 / total * counts[: last + 1], color=BLUE, width=0.92)
-    ticks = range(0, last + 1, -(-(last + 1) // _MOST_LABELS))
-    axes.set_xticks(ticks, [_units.duration(int(BINS_FROM_US[tick])) for tick in ticks])
-    axes.set(title="time since the event before", ylabel="% of events", xlabel="from, by octaves")
-    axes.grid(False, axis="x")
-
-
-def _draw_pixels(axes: Axes, inspection: Inspection) -> None:
-    counts = inspection.pixel_counts
-    largest = max(int(counts.max(initial=1)), 2)
-    picture = axes.imshow(
-        np.ma.masked_equal(counts, 0),
-        norm=LogNorm(1, largest),
-        cmap="cividis",
-        interpolation="nearest",
-        aspect="equal",
-    )
-    axes.grid(False)
-    words = "events of a pixel"
-    beside = axes.inset_axes((1.03, 0, 0.035, 1))  # as high as the map
-    bar = axes.figure.colorbar(picture, cax=beside, label=words, format="%g")
-    bar.ax.yaxis.set_minor_formatter(lambda value, _: "")
-    if largest < 10:  # no other power of ten
-        bar.set_ticks([1, largest])
-    hot = inspection.hot_pixels[:_MARKED]
-    if hot.size:
-        axes.scatter(
-            hot["x"],
-            hot["y"],
-            s=70,
-            facecolors="none",
-            edgecolors=VERMILION,
-            linewidths=1.3,
-        )
-    rows, columns = counts.shape
-    axes.set(xlim=(-0.5, columns - 0.5), ylim=(rows - 0.5, -0.5), xlabel="x [px]", ylabel="y [px]")
-    total = inspection.hot_pixels.size
-    share = int(inspection.hot_pixels["events"].sum()) / max(inspection.events, 1)
-    words = f"{_units.count(total)}, with {_units.share(share)} of the events" if total else "none"
-    axes.set_title(f"hot pixels: {words}")

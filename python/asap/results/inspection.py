@@ -4,16 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from asap import _core
 from asap.results.result import SCHEMA_VERSION, Result
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 OK, NOTE, WRONG = "ok", "note", "wrong"
 
@@ -91,9 +88,6 @@ class Inspection(Result):
         Events of each pixel; at most 4096 x 4096 of them.
     interval_counts : ndarray, shape (55,)
         Events by the time since the one before: 0 us, 1 us, 2 to 3, 4 to 7 and so on by octaves.
-    rate_curve : ndarray, shape (windows, 3)
-        Time in s from the first event; mean and largest 1-ms rate in ev/s. Windows of 1 ms, of more
-        where a recording is longer than 16 s.
     """
 
     path: str | None
@@ -115,7 +109,6 @@ class Inspection(Result):
     busiest_pixels: NDArray[np.void]
     pixel_counts: NDArray[np.int64]
     interval_counts: NDArray[np.int64]
-    rate_curve: NDArray[np.float64]
 
     @property
     def ok(self) -> bool:
@@ -166,12 +159,6 @@ class Inspection(Result):
             "busiest_pixels": _pixels(self.busiest_pixels),
             "version": _core.__version__,
         }
-
-    def plot(self) -> Figure:
-        """Draw the rate over time and the map of the pixels; needs matplotlib."""
-        from asap.results import figures
-
-        return figures.inspection_figure(self)
 
     def _repr_html_(self) -> str:
         from asap.results import inspection_text
