@@ -31,12 +31,6 @@ namespace {
 
 thread_local const void* worker_of = nullptr;  // whose worker this thread is
 
-template <class Algorithm>
-Algorithm&& given(Algorithm&& algorithm) {
-  if (!algorithm) throw_bad_value("algorithm", "none", "give what the events are for");
-  return std::forward<Algorithm>(algorithm);
-}
-
 constexpr std::chrono::nanoseconds kLongestWait = std::chrono::hours(24);  // no clock overflows
 
 constexpr auto kLook = std::chrono::microseconds(100);  // how often ~Pipeline looks at the seat

@@ -171,7 +171,7 @@ Replay::Replay(Scheme& scheme, ReplayConfig replay, RunConfig config)
 Replay::~Replay() = default;
 
 void Replay::run(EventSource& source, const Consumer& consumer, const Poll& poll) {
-  impl_->run(source, consumer, poll);
+  impl_->run(source, given(consumer), poll);
 }
 
 Ledger Replay::ledger() const noexcept { return impl_->ledger(); }

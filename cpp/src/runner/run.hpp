@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "asap/core/time.hpp"
 #include "asap/filter/validator.hpp"
@@ -18,11 +19,19 @@
 #include "buffer/arrival_times.hpp"
 #include "buffer/event_buffer.hpp"
 #include "core/atomics.hpp"
+#include "core/check.hpp"
 #include "packager/kept_mask.hpp"
 #include "packager/packager.hpp"
 #include "telemetry/telemetry.hpp"
 
 namespace asap::inline v0_1 {
+
+// Throws for an empty function.
+template <class Algorithm>
+Algorithm&& given(Algorithm&& algorithm) {
+  if (!algorithm) throw_bad_value("algorithm", "none", "give what the events are for");
+  return std::forward<Algorithm>(algorithm);
+}
 
 class Run {
  public:

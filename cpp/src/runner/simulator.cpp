@@ -96,6 +96,9 @@ Simulator::Impl::Impl(Scheme& scheme, SimulatedCost cost, const RunConfig& confi
       consumer_(std::move(consumer)),
       speed_(speed),
       run_(scheme, config, Run::Source::recording) {
+  if (std::holds_alternative<CostFunction>(cost) && !function_) {
+    throw_bad_value("cost", "none", "give the us that n events take");
+  }
   require(speed >= 1e-3 && speed <= 1e6, "speed", speed, "must be between 0.001 and 1e6");
   if (admission == nullptr) return;
   require(!config.keep_mask, "keep_mask", 1, "not with a scheme that filters on arrival");

@@ -113,6 +113,17 @@ TEST(Replay, DeliversEveryEventInOrder) {
   EXPECT_FALSE(stats.failed);
 }
 
+TEST(Replay, AnAlgorithmThatIsNoneIsRefusedBeforeTheRun) {
+  const Events events = evenly_spaced(10, 30);
+  FixedSize scheme;
+  Replay replay(scheme);
+  SpanSource source(events);
+  EXPECT_EQ(test::error_of([&] { replay.run(source, {}); }),
+            "algorithm = none: give what the events are for");
+  replay.run(source, [](EventSpan) {});
+  EXPECT_EQ(replay.ledger().delivered, 10u);
+}
+
 TEST(Replay, TheMaskLeadsBackToTheEventsThatWereGiven) {
   Events events = test::random_stream(2, 20'000);
   for (std::size_t i = 0; i < events.size(); i += 100) events[i].p = 7;  // comes as 1

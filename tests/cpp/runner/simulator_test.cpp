@@ -225,6 +225,12 @@ TEST(Simulator, ACostThatIsNoTimeIsRefusedByItsCall) {
   EXPECT_TRUE(simulator.ledger().balanced());
 }
 
+TEST(Simulator, ACostThatIsNoneIsRefused) {
+  FixedSize scheme;
+  EXPECT_EQ(test::error_of([&] { Simulator(scheme, CostFunction()); }),
+            "cost = none: give the us that n events take");
+}
+
 TEST(Simulator, ASpeedDividesTheStamps) {
   Events slow_events = evenly_spaced(1000, 40);
   Events fast_events = evenly_spaced(1000, 10);

@@ -33,7 +33,8 @@ class Replay {
   Replay(Scheme& scheme, ReplayConfig replay = {}, RunConfig config = {});
   ~Replay();
 
-  // Runs to the end of the source; once, then std::logic_error. `poll` is called on the caller's
+  // Runs to the end of the source; once, then std::logic_error. Throws std::invalid_argument for a
+  // consumer that is none, before the run. `poll` is called on the caller's
   // thread every 20 ms or, while the algorithm works, between two packages; it may throw to stop
   // the run. An exception of the algorithm, of poll or of the source comes out unchanged, with the
   // producer stopped and the ledger balanced.
