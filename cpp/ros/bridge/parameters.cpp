@@ -1,6 +1,7 @@
 #include "ros/bridge/parameters.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "asap/core/result.hpp"
 #include "ros/bridge/facts.hpp"
@@ -8,7 +9,8 @@
 namespace asap::ros {
 
 std::string constraint(const NumberField& number) {
-  return "between " + to_text(number.min) + " and " + to_text(number.max);
+  return (number.is_whole ? "a whole number between " : "between ") + to_text(number.min) +
+         " and " + to_text(number.max);
 }
 
 std::string constraint(const ChoiceField& choice) {
@@ -29,10 +31,21 @@ void set(Parameters& parameters, std::string_view name, const std::string& text,
   }
 }
 
+bool is_known(std::string_view name) {
+  const auto is_it = [&](const auto& field) { return name == field.name && !is_of_dds(field.has); };
+  return std::ranges::any_of(kNumbers, is_it) || std::ranges::any_of(kChoices, is_it);
+}
+
+void refuse_unknown(std::string_view name, const std::string& text) {
+  throw BadValue(name, text, {},
+                 "the node has no such parameter; correct the name, or leave it out");
+}
+
 void check(const Parameters& parameters) {
   for (const NumberField& number : kNumbers) {
     const double value = parameters.*number.field;
-    if (value >= number.min && value <= number.max) continue;
+    const bool is_in_range = value >= number.min && value <= number.max;  // no NaN
+    if (is_in_range && (!number.is_whole || value == std::floor(value))) continue;
     throw BadValue(number.name, to_text(value), {}, "must be " + constraint(number));
   }
   const double timeout_ms = parameters.feedback_timeout_ms;

@@ -41,28 +41,29 @@ struct NumberField {
   double Parameters::* field;
   double min;
   double max;
+  bool is_whole;
   bool is_fixed;  // when the node starts
   Has has;
   const char* description;
 };
 
 inline constexpr std::array kNumbers{
-    NumberField{"latency_ms", &Parameters::latency_ms, 0.1, 10'000.0, false, Has::every_node,
+    NumberField{"latency_ms", &Parameters::latency_ms, 0.1, 10'000.0, false, false, Has::every_node,
                 "Latency bound in ms, from the arrival of an event to the end of its processing."},
     NumberField{"reorder_tolerance_us", &Parameters::reorder_tolerance_us, 0.0, 999'999.0, true,
-                Has::every_node, "Events late by at most this time in us are not rejected."},
-    NumberField{"warmup_discard_us", &Parameters::warmup_discard_us, 0.0, 1e9, true,
+                true, Has::every_node, "Events late by at most this time in us are not rejected."},
+    NumberField{"warmup_discard_us", &Parameters::warmup_discard_us, 0.0, 1e9, true, true,
                 Has::every_node, "Events within this time in us after the first are dropped."},
-    NumberField{"capacity", &Parameters::capacity, 0.0, 1e9, true, Has::every_node,
+    NumberField{"capacity", &Parameters::capacity, 0.0, 1e9, true, true, Has::every_node,
                 "Events that wait in the ring; 0: as the latency bound needs."},
-    NumberField{"seed", &Parameters::seed, 0.0, 1e15, true, Has::every_node,
+    NumberField{"seed", &Parameters::seed, 0.0, 1e15, true, true, Has::every_node,
                 "Seed of the choice of events where they are thinned."},
-    NumberField{"queue", &Parameters::queue, 1.0, 100'000.0, true, Has::every_node,
+    NumberField{"queue", &Parameters::queue, 1.0, 100'000.0, true, true, Has::every_node,
                 "Messages that wait in the middleware, on either side."},
     NumberField{"feedback_timeout_ms", &Parameters::feedback_timeout_ms, 1.0, 60'000.0, false,
-                Has::packages,
+                false, Has::packages,
                 "Time in ms to wait for feedback before the next package; at least latency_ms."},
-    NumberField{"rate_bound", &Parameters::rate_bound, 0.0, 1e9, false, Has::packages,
+    NumberField{"rate_bound", &Parameters::rate_bound, 0.0, 1e9, false, false, Has::packages,
                 "Most events per second to publish, more are thinned; 0: no bound."},
 };
 
@@ -98,7 +99,7 @@ inline constexpr std::array kChoices{
                 Has::dds_packages, "QoS of the packages; every subscriber hears reliable."},
 };
 
-// "between 0.1 and 10000", "one of a, b".
+// "between 0.1 and 10000", "a whole number between 1 and 9", "one of a, b".
 std::string constraint(const NumberField& number);
 std::string constraint(const ChoiceField& choice);
 
@@ -106,6 +107,12 @@ std::string constraint(const ChoiceField& choice);
 // Throws std::invalid_argument where it is none.
 void set(Parameters& parameters, std::string_view name, const std::string& text,
          std::optional<double> number);
+
+// Whether the node has a parameter of this name in a middleware without DDS.
+bool is_known(std::string_view name);
+
+// Throws std::invalid_argument for a name that no parameter of the node has.
+[[noreturn]] void refuse_unknown(std::string_view name, const std::string& text);
 
 // Throws std::invalid_argument("<field> = <value>: <remedy>").
 void check(const Parameters& parameters);

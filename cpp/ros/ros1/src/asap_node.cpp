@@ -100,7 +100,15 @@ void end_by_call(XmlRpc::XmlRpcValue&, XmlRpc::XmlRpcValue& answer) {
 
 void say(bridge::Level level, const std::string& line) {
   if (level == bridge::Level::ok) ROS_INFO("%s", line.c_str());
-  if (level != bridge::Level::ok) ROS_WARN("%s", line.c_str());
+  if (level == bridge::Level::warn) ROS_WARN("%s", line.c_str());
+  if (level == bridge::Level::error) ROS_ERROR("%s", line.c_str());
+}
+
+std::string text_of(XmlRpc::XmlRpcValue& value) {
+  if (value.getType() == value.TypeString) return value;
+  if (value.getType() == value.TypeInt) return std::to_string(static_cast<int>(value));
+  if (value.getType() == value.TypeDouble) return bridge::to_text(value);
+  return value.toXml();
 }
 
 // Those that are set. While the node runs, those that may change.
@@ -112,12 +120,16 @@ bridge::Parameters read(const ros::NodeHandle& self, bridge::Parameters paramete
     std::optional<double> number;
     if (value.getType() == value.TypeInt) number = static_cast<int>(value);
     if (value.getType() == value.TypeDouble) number = static_cast<double>(value);
-    const bool is_text = value.getType() == value.TypeString;
-    const std::string text = is_text  ? static_cast<std::string>(value)
-                             : number ? bridge::to_text(*number)
-                                      : value.toXml();
-    bridge::set(parameters, field.name, text, number);
+    bridge::set(parameters, field.name, text_of(value), number);
   };
+  XmlRpc::XmlRpcValue all;
+  if (!runs && self.getParam(self.getNamespace(), all) && all.getType() == all.TypeStruct) {
+    for (auto& [name, value] : all) {  // a struct: another node's, below this one's name
+      if (value.getType() != value.TypeStruct && !bridge::is_known(name)) {
+        bridge::refuse_unknown(name, text_of(value));
+      }
+    }
+  }
   for (const bridge::NumberField& field : bridge::kNumbers) look(field, field.is_fixed);
   for (const bridge::ChoiceField& field : bridge::kChoices) look(field, true);
   bridge::check(parameters);

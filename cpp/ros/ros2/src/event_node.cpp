@@ -52,6 +52,7 @@ void EventNode::start(ros::Receiver& receiver, rclcpp::PublisherBase::SharedPtr 
     if (level != ros::Level::ok) RCLCPP_WARN(get_logger(), "%s", line.c_str());
   };
   session_ = std::make_unique<ros::Session>(parameters_, receiver, say,
+  refuse_unknown();
                                             [this](std::string_view gid) { return name_of(gid); });
   packages_ = std::move(packages);
   stats_ = create_publisher<std_msgs::msg::String>("~/stats", 10);
@@ -60,7 +61,7 @@ void EventNode::start(ros::Receiver& receiver, rclcpp::PublisherBase::SharedPtr 
     rcl_interfaces::msg::SetParametersResult result;
     result.successful = true;
     try {
-      ros::Parameters next = parameters_;
+      ros::Parameters next = declared();
       for (const rclcpp::Parameter& parameter : given) read(parameter, next);
       ros::check(next);
     } catch (const std::invalid_argument& error) {
@@ -92,6 +93,24 @@ void EventNode::declare(bool of_packages) {
   const auto declare_one = [&](const auto& field, bool is_fixed) {
     if (ros::is_of_packages(field.has) != of_packages) return;
     descriptor.read_only = is_fixed;
+// What is declared, so all that has been accepted, in force or not.
+ros::Parameters EventNode::declared() const {
+  ros::Parameters parameters;
+  const auto look = [&](const auto& field) {
+    if (has_parameter(field.name)) read(get_parameter(field.name), parameters);
+  };
+  for (const ros::NumberField& field : ros::kNumbers) look(field);
+  for (const ros::ChoiceField& field : ros::kChoices) look(field);
+  return parameters;
+}
+
+void EventNode::refuse_unknown() {
+  for (const auto& [name, value] : get_node_parameters_interface()->get_parameter_overrides()) {
+    if (has_parameter(name) || name.starts_with("qos_overrides.")) continue;
+    ros::refuse_unknown(name, rclcpp::to_string(value));
+  }
+}
+
     descriptor.description = field.description;
     descriptor.additional_constraints = "Must be " + ros::constraint(field) + ".";
     declare_parameter(field.name, rclcpp::ParameterValue(parameters_.*field.field), descriptor);
@@ -196,10 +215,7 @@ std::string EventNode::mismatch() const {
 }
 
 void EventNode::report() {
-  for (const ros::NumberField& field : ros::kNumbers) {
-    if (has_parameter(field.name)) read(get_parameter(field.name), parameters_);
-  }
-  session_->set(parameters_);
+  session_->set(declared());
   const ros::Session::Report report = session_->report(topic_, mismatch());
   std_msgs::msg::String stats;
   stats.data = ros::to_json(report.facts);

@@ -47,6 +47,8 @@ class EventNode : public rclcpp::Node {
 
  private:
   void declare(bool of_packages);
+  ros::Parameters declared() const;
+  void refuse_unknown();
   void subscribe();
   void take(ros::Packet packet, const std_msgs::msg::Header& header,
             const rclcpp::MessageInfo& info);

@@ -38,6 +38,18 @@ TEST(Parameters, WithoutFeedbackTheTimeoutDoesNotCount) {
   EXPECT_EQ(error({.latency_ms = 5'000}), "nothing was thrown");
 }
 
+TEST(Parameters, ACountIsAWholeNumber) {
+  EXPECT_EQ(error({.seed = 1.5}), "seed = 1.5: must be a whole number between 0 and 1e+15");
+  EXPECT_EQ(error({.queue = 2.5}), "queue = 2.5: must be a whole number between 1 and 100000");
+}
+
+TEST(Parameters, AnUnknownNameIsRefused) {
+  EXPECT_TRUE(is_known("latency_ms"));
+  EXPECT_FALSE(is_known("input_reliability")) << "of DDS";
+  EXPECT_EQ(test::error_of([] { refuse_unknown("latncy_ms", "5"); }),
+            "latncy_ms = 5: the node has no such parameter; correct the name, or leave it out");
+}
+
 TEST(Parameters, AChoiceIsOneOfItsNames) {
   EXPECT_EQ(error({.feedback = "tpoic"}), "feedback = tpoic: must be one of none, topic, service");
   EXPECT_EQ(error({.prefer = "all"}), "prefer = all: must be one of balanced, events, continuity");
