@@ -29,14 +29,24 @@ std::optional<Refusal> refusal_of(const Packet& packet) {
 }
 
 std::string sentence(Refusal refusal, const Packet& packet, std::string_view publisher) {
-  return std::string("message refused: ") + kRefusals[static_cast<std::size_t>(refusal)] +
-         " (from " + std::string(publisher) + ", encoding \"" + std::string(packet.encoding) +
-         "\", " + std::to_string(packet.sensor.width) + " x " +
-         std::to_string(packet.sensor.height) + " px, " + std::to_string(packet.bytes.size()) +
-         " bytes)";
+  const char* const remedy =
+      refusal == Refusal::encoding ? "; evt3, libcaer, libcaer_cmp and mono are read" : "";
+  return std::string(kRefusals[static_cast<std::size_t>(refusal)]) + " (from " +
+         std::string(publisher) + ", encoding \"" + std::string(packet.encoding) + "\", " +
+         std::to_string(packet.sensor.width) + " x " + std::to_string(packet.sensor.height) +
+         " px, " + std::to_string(packet.bytes.size()) + " bytes)" + remedy;
 }
 
 PacketReader::PacketReader() : block_(kBlockOfEvents) {}
+
+bool PacketReader::is_heard(const Packet& packet) const {
+  if (packet.publisher != publisher_) return false;
+  if (!publisher_.empty()) return true;
+  const bool goes_on =
+      packet.seq > seq_ || (packet.seq == 0 && seq_ == 0 && packet.stamp_ns >= stamp_ns_);
+  return goes_on && packet.sensor == sensor_ && packet.encoding == encoding_ &&
+         packet.frame_id == frame_id_;
+}
 
 PacketReader::Seen PacketReader::see(const Packet& packet) {
   const bool goes_on = packet.publisher == publisher_ && packet.encoding == encoding_ &&
@@ -54,6 +64,8 @@ PacketReader::Seen PacketReader::see(const Packet& packet) {
     seen.lost = packet.seq - next - std::min(packet.seq - next, refused_);
     if (auto* const evt3 = std::get_if<Evt3Decoder>(&decoder_)) evt3->resume();
   }
+  frame_id_ = packet.frame_id;
+  sensor_ = packet.sensor;
   seq_ = packet.seq;
   stamp_ns_ = packet.stamp_ns;
   refused_ = 0;

@@ -32,7 +32,7 @@ inline constexpr std::uint32_t kMostPixels = 2048;  // of a side: what EVT3 addr
 
 // The fields of a message, where they stand.
 struct Packet {
-  std::string_view publisher{};  // any bytes that tell publishers apart
+  std::string_view publisher{};  // any bytes that tell publishers apart; none: see is_heard()
   std::string_view frame_id{};
   std::int64_t stamp_ns = 0;
   Geometry sensor{};
@@ -41,8 +41,9 @@ struct Packet {
   std::string_view encoding{};
   bool is_bigendian = false;
   std::span<const std::byte> bytes{};
-  EventSpan events{};    // instead of bytes, where the encoding is kDecoded
-  bool is_torn = false;  // the message ends before or behind its own fields
+  EventSpan events{};          // instead of bytes, where the encoding is kDecoded
+  bool is_torn = false;        // the message ends before or behind its own fields
+  std::int64_t waited_ns = 0;  // in the middleware, since it was received
 };
 
 inline constexpr std::string_view kDecoded = "dvs_msgs";  // the middleware has decoded the events
@@ -54,7 +55,7 @@ inline constexpr std::array kRefusals{"encoding", "big_endian", "size", "geometr
 // Why the message cannot be read, whatever came before it.
 std::optional<Refusal> refusal_of(const Packet& packet);
 
-// For a log: the reason, and what the message was.
+// For a log: the reason, what the message was, and what can be read.
 std::string sentence(Refusal refusal, const Packet& packet, std::string_view publisher);
 
 class PacketReader {
@@ -68,17 +69,22 @@ class PacketReader {
 
   PacketReader();
 
+  // Whether the message is of the publisher that is heard. One without a name has the same sensor,
+  // frame and encoding, and its number or stamp does not go back.
+  bool is_heard(const Packet& packet) const;
+
   // Once per message that is not refused, in the order of arrival. A `seq` or, without one, a stamp
   // that goes back means that the publisher began anew.
   Seen see(const Packet& packet);
 
   // The message was refused, so it was not lost.
-  void refuse(const Packet& packet) noexcept { refused_ += packet.publisher == publisher_; }
+  void refuse(const Packet& packet) noexcept { refused_ += is_heard(packet); }
 
   // The events of the message that see() has just seen, block by block.
   void decode(const Packet& packet, const Sink& sink);
 
   const std::string& publisher() const noexcept { return publisher_; }
+  const std::string& frame_id() const noexcept { return frame_id_; }
   std::uint64_t bad_records() const noexcept { return bad_records_; }
   // Events whose time or row is not known, at the start of an EVT3 stream or behind a gap.
   std::uint64_t before_start() const noexcept { return before_start_; }
@@ -93,7 +99,9 @@ class PacketReader {
   void decode_with(Known& decoder, const Packet& packet, const Sink& sink);
 
   std::string publisher_;
+  std::string frame_id_;
   std::string encoding_;
+  Geometry sensor_;
   Decoder decoder_;
   std::uint64_t seq_ = 0;
   std::int64_t stamp_ns_ = 0;

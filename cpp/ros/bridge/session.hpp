@@ -1,7 +1,8 @@
 // Session: the run of a node. Messages of one camera go in; packages of their events go to a
 // receiver, within the latency bound, on a thread of the session. Another publisher is heard once
 // the one before has been silent for a second: as a new epoch of its clock or, with a sensor of
-// another size, in a run of its own.
+// another size and from its second message on, in a run of its own. An event's age counts from when
+// the middleware received its message.
 //
 // Any thread. take() decodes and pushes: O(bytes), never blocked by the receiver but where a run
 // ends, which waits for the package in work.
@@ -28,6 +29,13 @@
 
 namespace asap::ros {
 
+enum class Level : std::uint8_t { ok, warn, error };  // as in diagnostic_msgs
+
+struct Complaint {
+  Level level = Level::ok;
+  std::string message{};  // empty: none
+};
+
 // What a session works for.
 class Receiver {
  public:
@@ -43,13 +51,15 @@ class Receiver {
   // The consumer of what it makes is there; it stays away. Any thread.
   virtual bool is_heard() const { return true; }
   virtual bool stalled() const { return false; }
+  // What limits where not all is processed in time.
+  virtual const char* bottleneck() const { return "the algorithm"; }
+  // What is wrong with the consumer since the last call, once a second.
+  virtual Complaint complaint() { return {}; }
   // Returns further facts for a report. Any thread.
   virtual Facts facts() const { return {}; }
   // Takes the parameters that may change while it runs. Any thread.
   virtual void set(const Parameters&) {}
 };
-
-enum class Level : std::uint8_t { ok, warn, error };  // as in diagnostic_msgs
 
 class Session {
  public:
@@ -94,12 +104,33 @@ class Session {
     std::int64_t stamp_ns = 0;
   };
 
+  // Who was refused last, and may be heard next.
+  struct Other {
+    std::string publisher;
+    std::string frame_id;
+    Geometry sensor;
+    Clock::time_point at{};
+  };
+
+  using Counts = std::map<std::string, std::uint64_t>;
+
   std::optional<Refusal> refusal_of(const Packet& packet, Clock::time_point now) const;
+  bool is_next(const Packet& packet, Clock::time_point now) const;
+  std::string named(const std::string& publisher, const std::string& frame_id) const;
   void refuse(Refusal refusal, const Packet& packet, Clock::time_point now);
   void begin(const Geometry& sensor);
   void end();
   void mark(const Packet& packet, std::int64_t t_us);
+  void note_wait(const Packet& packet, Clock::time_point now);
   void process(const Package& package);
+  void fail(const std::string& what);
+  Counts counts_of(const PipelineStats& stats) const;
+  void judge(Report& report, const Counts& since, const PipelineStats& stats,
+             const std::string& topic) const;
+  std::string silence(const std::string& topic) const;
+  std::string rejection(const Counts& since) const;
+  std::string lateness(const Counts& since, const PipelineStats& stats) const;
+  std::string missing(const Counts& since) const;
   std::int64_t stamp_of(std::int64_t t_us);
   Facts facts(const PipelineStats& stats) const;
 
@@ -112,13 +143,23 @@ class Session {
   bool stopped_ = false;
   Geometry sensor_;
   PacketReader reader_;
-  bool is_new_epoch_ = false;  // begins with the next event
-  Clock::time_point heard_{};  // the camera
+  bool is_new_epoch_ = false;                // begins with the next event
+  const std::size_t queue_;                  // messages that the middleware holds for us
+  Clock::time_point heard_{};                // the camera
+  Clock::time_point newest_ = Clock::now();  // message, whatever came of it
+  Clock::time_point taken_{};                // when the last message had been taken
   Clock::time_point complained_{};
-  std::string other_;  // a publisher that was refused since the last report
+  Other other_;
+  bool is_other_ = false;        // was refused since the last report
+  std::string refusal_;          // of the last message that was refused
+  std::int64_t waited_ns_ = 0;   // the longest since the last report
+  std::size_t backlog_ = 0;      // messages in a row that waited for the one before
+  std::size_t max_backlog_ = 0;  // since the last report
+  bool is_behind_ = false;       // at the last report
   std::uint64_t messages_ = 0;
   std::array<std::uint64_t, kRefusals.size()> refused_{};
-  std::map<std::string, std::uint64_t> reported_;  // what the last report counted
+  Counts reported_;            // up to the last report
+  LatencyHistogram latency_;   // likewise
   mutable std::mutex worker_;  // the next four, which the worker reads and writes as well
   std::deque<Mark> marks_;     // one per message that may still wait
   std::string frame_id_;

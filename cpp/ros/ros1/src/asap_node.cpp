@@ -167,6 +167,7 @@ class Node {
         bridge::read_ros1(event.getConnectionHeader()["md5sum"],
                           std::as_bytes(std::span(event.getMessage()->bytes)), decoded_);
     packet.publisher = event.getPublisherName();
+    packet.waited_ns = (ros::Time::now() - event.getReceiptTime()).toNSec();
     session_.take(packet);
   }
 

@@ -17,6 +17,11 @@ std::int64_t to_ns(const builtin_interfaces::msg::Time& time) {
   return std::int64_t{time.sec} * kNsPerS + time.nanosec;
 }
 
+// By the clock of the middleware.
+std::int64_t wall_ns() {
+  return std::chrono::nanoseconds(std::chrono::system_clock::now().time_since_epoch()).count();
+}
+
 std::string name_of(const rclcpp::TopicEndpointInfo& end) {
   return end.node_namespace() + (end.node_namespace() == "/" ? "" : "/") + end.node_name();
 }
@@ -47,12 +52,13 @@ EventNode::EventNode(const std::string& name, const rclcpp::NodeOptions& options
 EventNode::~EventNode() { stop(); }
 
 void EventNode::start(ros::Receiver& receiver, rclcpp::PublisherBase::SharedPtr packages) {
+  refuse_unknown();
   const auto say = [this](ros::Level level, const std::string& line) {
     if (level == ros::Level::ok) RCLCPP_INFO(get_logger(), "%s", line.c_str());
-    if (level != ros::Level::ok) RCLCPP_WARN(get_logger(), "%s", line.c_str());
+    if (level == ros::Level::warn) RCLCPP_WARN(get_logger(), "%s", line.c_str());
+    if (level == ros::Level::error) RCLCPP_ERROR(get_logger(), "%s", line.c_str());
   };
   session_ = std::make_unique<ros::Session>(parameters_, receiver, say,
-  refuse_unknown();
                                             [this](std::string_view gid) { return name_of(gid); });
   packages_ = std::move(packages);
   stats_ = create_publisher<std_msgs::msg::String>("~/stats", 10);
@@ -87,12 +93,6 @@ void EventNode::stop() {
 
 // ---- parameters -------------------------------------------------------------------------------
 
-void EventNode::declare(bool of_packages) {
-  rcl_interfaces::msg::ParameterDescriptor descriptor;
-  descriptor.dynamic_typing = true;  // so that it is our check that refuses, with value and remedy
-  const auto declare_one = [&](const auto& field, bool is_fixed) {
-    if (ros::is_of_packages(field.has) != of_packages) return;
-    descriptor.read_only = is_fixed;
 // What is declared, so all that has been accepted, in force or not.
 ros::Parameters EventNode::declared() const {
   ros::Parameters parameters;
@@ -111,6 +111,12 @@ void EventNode::refuse_unknown() {
   }
 }
 
+void EventNode::declare(bool of_packages) {
+  rcl_interfaces::msg::ParameterDescriptor descriptor;
+  descriptor.dynamic_typing = true;  // so that it is our check that refuses, with value and remedy
+  const auto declare_one = [&](const auto& field, bool is_fixed) {
+    if (ros::is_of_packages(field.has) != of_packages) return;
+    descriptor.read_only = is_fixed;
     descriptor.description = field.description;
     descriptor.additional_constraints = "Must be " + ros::constraint(field) + ".";
     declare_parameter(field.name, rclcpp::ParameterValue(parameters_.*field.field), descriptor);
@@ -129,6 +135,8 @@ rclcpp::QoS EventNode::qos(const std::string& reliability) const {
 
 void EventNode::subscribe() {
   const rclcpp::QoS qos = this->qos(parameters_.input_reliability);
+  rclcpp::SubscriptionOptions options;
+  if (is_apart_) options.use_intra_process_comm = rclcpp::IntraProcessSetting::Disable;
   if (parameters_.input == "event_camera_msgs") {
     subscription_ = create_subscription<EventPacket>(
         "events", qos,
@@ -140,12 +148,14 @@ void EventNode::subscribe() {
                 .is_bigendian = message->is_bigendian,
                 .bytes = std::as_bytes(std::span(message->events))},
                message->header, info);
-        });
+        },
+        options);
   } else {
 #ifdef ASAP_ROS_DVS_MSGS
     using EventArray = dvs_msgs::msg::EventArray;
     subscription_ = create_subscription<EventArray>(
-        "events", qos, [this](EventArray::ConstSharedPtr message, const rclcpp::MessageInfo& info) {
+        "events", qos,
+        [this](EventArray::ConstSharedPtr message, const rclcpp::MessageInfo& info) {
           decoded_.clear();
           for (const auto& event : message->events) {
             decoded_.push_back({.x = event.x,
@@ -157,7 +167,8 @@ void EventNode::subscribe() {
                 .encoding = ros::kDecoded,
                 .events = decoded_},
                message->header, info);
-        });
+        },
+        options);
 #else
     throw std::invalid_argument("input = " + parameters_.input +
                                 ": must be event_camera_msgs; asap_ros was built without dvs_msgs");
@@ -168,8 +179,12 @@ void EventNode::subscribe() {
 
 void EventNode::take(ros::Packet packet, const std_msgs::msg::Header& header,
                      const rclcpp::MessageInfo& info) {
-  const auto& gid = info.get_rmw_message_info().publisher_gid.data;
-  packet.publisher = {reinterpret_cast<const char*>(gid), sizeof gid};
+  const rmw_message_info_t& about = info.get_rmw_message_info();
+  if (!about.from_intra_process) {  // else it has neither
+    packet.publisher = {reinterpret_cast<const char*>(about.publisher_gid.data),
+                        sizeof about.publisher_gid.data};
+    packet.waited_ns = wall_ns() - about.received_timestamp;
+  }
   packet.frame_id = header.frame_id;
   packet.stamp_ns = to_ns(header.stamp);
   session_->take(packet);
@@ -192,7 +207,7 @@ std::string EventNode::name_of(std::string_view publisher) const {
       return asap_ros::name_of(end);
     }
   }
-  return "a publisher that has gone, or is in this process";
+  return "a publisher that has gone";
 }
 
 std::string EventNode::mismatch() const {
@@ -214,7 +229,15 @@ std::string EventNode::mismatch() const {
   return found;
 }
 
+// Messages within a process do not say who published them, those over DDS do.
+void EventNode::tell_apart() {
+  if (is_apart_ || count_publishers(topic_) < 2) return;
+  is_apart_ = true;
+  subscribe();
+}
+
 void EventNode::report() {
+  tell_apart();
   session_->set(declared());
   const ros::Session::Report report = session_->report(topic_, mismatch());
   std_msgs::msg::String stats;

@@ -50,6 +50,7 @@ class EventNode : public rclcpp::Node {
   ros::Parameters declared() const;
   void refuse_unknown();
   void subscribe();
+  void tell_apart();
   void take(ros::Packet packet, const std_msgs::msg::Header& header,
             const rclcpp::MessageInfo& info);
   std::string name_of(std::string_view publisher) const;
@@ -60,6 +61,7 @@ class EventNode : public rclcpp::Node {
   std::unique_ptr<ros::Session> session_;
   std::vector<asap::Event> decoded_;
   std::string topic_;
+  bool is_apart_ = false;  // several publishers: no message comes within the process
   rclcpp::SubscriptionBase::SharedPtr subscription_;
   rclcpp::PublisherBase::SharedPtr packages_;
   rclcpp::Publisher<std_msgs::msg::String>::SharedPtr stats_;

@@ -112,7 +112,7 @@ TEST(PacketReader, RefusesAMessageThatCannotBeRead) {
   bad.is_torn = true;
   EXPECT_EQ(refusal_of(bad), Refusal::size);
   EXPECT_EQ(sentence(Refusal::size, packet(odd, 0), "/camera"),
-            "message refused: size (from /camera, encoding \"evt3\", 640 x 480 px, 7 bytes)");
+            "size (from /camera, encoding \"evt3\", 640 x 480 px, 7 bytes)");
 }
 
 TEST(PacketReader, CountsTheMessagesThatAreMissing) {

@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <limits>
 #include <mutex>
 #include <stdexcept>
 #include <string>
@@ -30,7 +32,10 @@ constexpr double kNoHurry_ms =
 
 class Collector : public Receiver {
  public:
-  void begin(const Geometry& sensor) override { sensors.push_back(sensor); }
+  void begin(const Geometry& sensor) override {
+    if (refuses) throw std::runtime_error("a sensor of this size does not fit");
+    sensors.push_back(sensor);
+  }
   void process(const Package& package, std::int64_t stamp_ns) override {
     entered = true;
     held.wait(true);
@@ -46,6 +51,10 @@ class Collector : public Receiver {
   std::vector<std::pair<std::int64_t, std::int64_t>> stamps;
   Events events;
   int hurries = 0;
+  Complaint complaint() override { return complains; }
+
+  Complaint complains;
+  bool refuses = false;
   bool fails = false;
   bool heard = true;
   std::atomic<bool> stays_away{false};
@@ -57,22 +66,27 @@ struct Fixture {
   Collector collector;
   std::vector<std::string> said;
   std::mutex saying;
-  Session session{{.latency_ms = kNoHurry_ms}, collector, [this](Level, const std::string& line) {
+  Session session{{.latency_ms = kNoHurry_ms, .feedback = "none"},
+                  collector,
+                  [this](Level, const std::string& line) {
                     const std::lock_guard lock(saying);
                     said.push_back(line);
                   }};
 
   std::optional<Refusal> take(const Events& events, std::uint64_t seq, Geometry sensor = {640, 480},
-                              std::string_view publisher = "camera", std::int64_t stamp_ns = 0) {
+                              std::string_view publisher = "camera", std::int64_t stamp_ns = 0,
+                              std::string_view frame_id = "frame", std::int64_t waited_ns = 0) {
     std::vector<std::uint8_t> bytes;
     const auto written = PackageWriter("mono").write(events, bytes);
     return session.take({.publisher = publisher,
+                         .frame_id = frame_id,
                          .stamp_ns = stamp_ns,
                          .sensor = sensor,
                          .seq = seq,
                          .time_base = written.time_base,
                          .encoding = "mono",
-                         .bytes = std::as_bytes(std::span(bytes))});
+                         .bytes = std::as_bytes(std::span(bytes)),
+                         .waited_ns = waited_ns});
   }
 };
 
@@ -211,16 +225,23 @@ TEST(Session, ReportsWhatIsWrong) {
   EXPECT_EQ(message(), "ok");
   EXPECT_EQ(message(), "no message on /events for 0 s");
   fixture.take({{1, 1, 1, 2}}, 3);
-  EXPECT_EQ(message(), "2 messages of the driver are missing");
+  EXPECT_EQ(message(), "2 messages are missing: lost by the driver or the network");
+  const std::string refusal =
+      R"(1 messages refused: encoding (from a driver in this process with the frame "", encoding )"
+      R"("evt4", 640 x 480 px, 0 bytes); evt3, libcaer, libcaer_cmp and mono are read)";
   fixture.session.take({.sensor = {640, 480}, .encoding = "evt4"});
-  EXPECT_EQ(message(), "all 1 messages refused");
-  fixture.take({{1, 1, 1, 3}}, 4);
-  fixture.session.take({.sensor = {640, 480}, .encoding = "evt4"});
-  EXPECT_EQ(message(), "1 messages refused");
-  fixture.take({{1, 1, 1, 2}}, 5);
   Session::Report report = fixture.session.report("/events");
   EXPECT_EQ(report.level, Level::error);
-  EXPECT_EQ(report.message, "all 1 events rejected");
+  EXPECT_EQ(report.message, refusal);
+  fixture.take({{1, 1, 1, 3}}, 4);
+  fixture.session.take({.sensor = {640, 480}, .encoding = "evt4"});
+  report = fixture.session.report("/events");
+  EXPECT_EQ(report.level, Level::warn);
+  EXPECT_EQ(report.message, refusal);
+  fixture.take({{1, 1, 1, 2}}, 5);
+  report = fixture.session.report("/events");
+  EXPECT_EQ(report.level, Level::error);
+  EXPECT_EQ(report.message, "100 % of the events rejected: 1 nonmonotonic");
   EXPECT_EQ(value_of(report.facts, "last_second.rejected"), "1");
   EXPECT_EQ(value_of(report.facts, "ledger.received"), "4");
   fixture.take({{1, 1, 1, 9}}, 6);
@@ -228,10 +249,137 @@ TEST(Session, ReportsWhatIsWrong) {
   report = fixture.session.report();
   EXPECT_EQ(report.level, Level::warn);
   EXPECT_EQ(report.message, "no subscriber of the packages");
+  fixture.collector.heard = true;
   fixture.collector.stays_away = true;
   fixture.take({{1, 1, 1, 9}}, 7);
-  EXPECT_EQ(message(), "stalled: the consumer stays away");
+  EXPECT_EQ(message(), "stalled: the algorithm has not finished");
+  fixture.collector.stays_away = false;
+  fixture.collector.complains = {Level::ok, "one is quiet"};
+  fixture.take({{1, 1, 1, 9}}, 8);
+  EXPECT_EQ(message(), "ok; one is quiet");
+  fixture.collector.complains = {Level::warn, "feedback refused"};
+  EXPECT_EQ(message(), "no message on /events for 0 s");
+  fixture.take({{1, 1, 1, 9}}, 9);
+  EXPECT_EQ(message(), "feedback refused");
   EXPECT_EQ(fixture.session.report("", "QoS").message, "QoS");
+}
+
+TEST(Session, ReportsTheShareThatIsRejected) {
+  Fixture fixture;
+  fixture.take({{1, 1, 1, 5}, {640, 1, 1, 6}, {640, 1, 1, 7}, {1, 1, 1, 8}}, 0);
+  const Session::Report report = fixture.session.report();
+  EXPECT_EQ(report.level, Level::warn);
+  EXPECT_EQ(report.message, "50 % of the events rejected: 2 out_of_bounds");
+}
+
+// An event is as old as its message, also in the middleware.
+TEST(Session, WhatWaitedInTheMiddlewareIsLate) {
+  Fixture fixture;
+  fixture.session.set({.latency_ms = 1'000, .feedback = "none"});
+  fixture.take(test::some_events(100), 0, {640, 480}, "camera", 0, "frame", 5'000'000'000);
+  while (fixture.session.stats().ledger.pending > 0) std::this_thread::yield();
+  const Session::Report report = fixture.session.report();
+  EXPECT_EQ(report.level, Level::warn);
+  EXPECT_TRUE(report.message.starts_with("Bottleneck: this machine. 0 % processed in time, p99 "))
+      << report.message;
+  EXPECT_TRUE(
+      report.message.ends_with("ms of 1000 ms; messages waited for 5000 ms in the middleware"))
+      << report.message;
+  EXPECT_EQ(fixture.said.back(), report.message) << "once in the log";
+}
+
+TEST(Session, NamesTheQueueThatLostMessages) {
+  Collector collector;
+  Session session({.latency_ms = kNoHurry_ms, .queue = 10, .feedback = "none"}, collector,
+                  [](Level, const std::string&) {});
+  for (std::uint64_t i = 0; i < 10; ++i) {  // each of them waited for the one before
+    session.take({.publisher = "camera",
+                  .sensor = {640, 480},
+                  .seq = i < 1 ? 1 : 5 + i,
+                  .encoding = "mono",
+                  .waited_ns = 100'000'000});
+  }
+  EXPECT_EQ(session.report().message, "4 messages are missing: lost in the node's own queue of 10");
+}
+
+TEST(Session, TellsCamerasOfItsProcessApart) {
+  const Geometry sensor{640, 480};
+  for (const char* frame : {"right", "left"}) {  // "left": only the numbers differ
+    Fixture fixture;
+    const auto right = [&](std::int64_t t) {
+      return fixture.take({{1, 1, 1, 1'000'000 + t}}, static_cast<std::uint64_t>(t), sensor, "", 0,
+                          frame);
+    };
+    for (std::int64_t t = 10; t < 20; ++t) {
+      EXPECT_FALSE(
+          fixture.take({{1, 1, 1, t}}, static_cast<std::uint64_t>(100 + t), sensor, "", 0, "left"));
+      EXPECT_EQ(right(t), Refusal::publisher);
+    }
+    EXPECT_EQ(fixture.session.report().message,
+              R"(two cameras: a driver in this process with the frame "left" is heard, )"
+              R"(a driver in this process with the frame ")" +
+                  std::string(frame) + R"(" is refused)");
+    fixture.session.stop();
+    EXPECT_EQ(fixture.session.stats().clock_resets, 0u);
+    EXPECT_EQ(fixture.collector.events.size(), 10u);
+  }
+}
+
+TEST(Session, AStrayDoesNotEndTheRun) {
+  Fixture fixture;
+  fixture.take({{1, 1, 1, 10}}, 0);
+  std::this_thread::sleep_for(kSilence);
+  EXPECT_EQ(fixture.take({{1, 1, 1, 10}}, 0, {320, 240}, "stray"), Refusal::publisher);
+  EXPECT_FALSE(fixture.take({{1, 1, 1, 20}}, 1));
+  EXPECT_EQ(fixture.session.stats().ledger.received, 2u);
+}
+
+// Parameters and messages are checked where they come in, and end no process.
+TEST(Session, ARunThatCannotBeginIsReportedAndTriedAgain) {
+  Fixture fixture;
+  fixture.collector.refuses = true;
+  EXPECT_FALSE(fixture.take({{1, 1, 1, 10}}, 0));
+  const Session::Report report = fixture.session.report();
+  EXPECT_EQ(report.level, Level::error);
+  EXPECT_EQ(report.message, "no run can begin: a sensor of this size does not fit");
+  fixture.collector.refuses = false;
+  EXPECT_FALSE(fixture.take({{1, 1, 1, 11}}, 1));
+  fixture.session.stop();
+  EXPECT_EQ(fixture.session.stats().ledger, (Ledger{.received = 1, .delivered = 1}));
+}
+
+TEST(Session, NoPairOfParametersEndsIt) {
+  Collector collector;
+  std::size_t good = 0;
+  const auto values = [](const NumberField& number) {
+    return std::array{number.min,     number.max, number.min - 1,
+                      number.max * 2, 0.5,        std::numeric_limits<double>::quiet_NaN()};
+  };
+  for (const NumberField& one : kNumbers) {
+    for (const NumberField& other : kNumbers) {
+      for (const double first : values(one)) {
+        for (const double second : values(other)) {
+          Parameters parameters;
+          parameters.*one.field = first;
+          parameters.*other.field = second;
+          try {
+            check(parameters);
+          } catch (const std::invalid_argument&) {
+            EXPECT_THROW(Session(parameters, collector, [](Level, const std::string&) {}),
+                         std::invalid_argument);
+            continue;
+          }
+          if (parameters.capacity > 1e6) continue;  // gigabytes
+          Session session(parameters, collector, [](Level, const std::string&) {});
+          session.take({.publisher = "camera", .sensor = {640, 480}, .seq = 1, .encoding = "mono"});
+          session.set(parameters);
+          session.report();
+          ++good;
+        }
+      }
+    }
+  }
+  EXPECT_GT(good, 100u);
 }
 
 TEST(Session, APackageHasTheStampOfItsFirstEvent) {
@@ -268,7 +416,7 @@ TEST(Session, AReceiverThatFailsIsCountedAndSaidOnce) {
   EXPECT_EQ(report.level, Level::error);
   EXPECT_EQ(report.message, "process() throws: no room");
   EXPECT_EQ(value_of(report.facts, "failures.count"), "3");
-  EXPECT_EQ(value_of(report.facts, "failures.last"), "no room");
+  EXPECT_EQ(value_of(report.facts, "failures.last"), "process() throws: no room");
   EXPECT_EQ(std::ranges::count(fixture.said, "process() throws: no room"), 1);
   EXPECT_TRUE(fixture.session.stats().ledger.balanced());
 }
