@@ -24,7 +24,7 @@ struct Parameters {
   double queue = 1000.0;
   std::string prefer = "balanced";
   std::string when_full = "thin";
-  std::string feedback = "none";
+  std::string feedback = "topic";
   std::string encoding = "evt3";
   std::string input = "event_camera_msgs";
   std::string input_reliability = "best_effort";
@@ -78,7 +78,7 @@ struct ChoiceField {
 
 inline constexpr const char* kPreferences[] = {"balanced", "events", "continuity"};
 inline constexpr const char* kWhenFull[] = {"thin", "keep_oldest", "keep_newest"};
-inline constexpr const char* kFeedbacks[] = {"none", "topic", "service"};
+inline constexpr const char* kFeedbacks[] = {"topic", "service", "none"};
 inline constexpr const char* kOutputs[] = {"evt3", "mono", "dvs_msgs"};
 inline constexpr const char* kInputs[] = {"event_camera_msgs", "dvs_msgs"};
 inline constexpr const char* kReliabilities[] = {"best_effort", "reliable"};

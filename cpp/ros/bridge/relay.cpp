@@ -1,5 +1,6 @@
 #include "ros/bridge/relay.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace asap::ros {
@@ -7,17 +8,23 @@ namespace {
 
 using Seconds = std::chrono::duration<double>;
 
+constexpr Seconds kLook{0.1};  // how often a pause heeds another rate bound
+
 FeedbackGate::Clock::duration clock_time(Seconds time) {
   return std::chrono::duration_cast<FeedbackGate::Clock::duration>(time);
 }
 
+std::string in_words(std::size_t count) {
+  return std::to_string(count) + (count == 1 ? " consumer gives" : " consumers give");
+}
+
 }  // namespace
 
-Relay::Relay(const Parameters& parameters, Publish publish, IsHeard is_heard)
+Relay::Relay(const Parameters& parameters, Publish publish, Count count)
     : encoding_(parameters.encoding),
       waits_(parameters.feedback != "none"),
       publish_(std::move(publish)),
-      is_heard_(std::move(is_heard)) {
+      count_(std::move(count)) {
   check(parameters);
   Relay::set(parameters);
   if (encoding_ != kDecoded) writer_.emplace(encoding_);
@@ -25,7 +32,7 @@ Relay::Relay(const Parameters& parameters, Publish publish, IsHeard is_heard)
 }
 
 void Relay::set(const Parameters& parameters) {
-  feedback_timeout_ms_ = parameters.feedback_timeout_ms;
+  gate_.set_patience(clock_time(Seconds(parameters.feedback_timeout_ms * 1e-3)));
   rate_bound_ = parameters.rate_bound;
 }
 
@@ -34,7 +41,30 @@ Facts Relay::facts() const {
   return {{"feedback.taken", number(counts.taken)},
           {"feedback.refused", number(counts.refused)},
           {"feedback.timeouts", number(counts.timeouts)},
+          {"feedback.consumers", number(counts.consumers)},
           {"feedback.stalled", counts.stalled ? "true" : "false"}};
+}
+
+const char* Relay::bottleneck() const {
+  return rate_bound_ > 0 ? "the rate bound" : "the algorithm";
+}
+
+Complaint Relay::complaint() {
+  const FeedbackGate::Counts counts = gate_.counts();
+  const FeedbackGate::Counts before = std::exchange(complained_, counts);
+  Consumers consumers = count_();
+  if (!waits_) consumers.answering = 0;
+  const std::string loss = " no feedback: what it loses is not counted";
+  if (counts.refused > before.refused) {
+    return {Level::warn, "feedback refused: " + counts.refusal};
+  }
+  if (counts.timeouts > before.timeouts) {
+    return {Level::warn, "stalled: no feedback within feedback_timeout_ms"};
+  }
+  if (consumers.heard <= consumers.answering) return {};
+  const bool is_chosen = !waits_ || consumers.answering > 0;
+  return {is_chosen ? Level::ok : Level::warn,
+          in_words(consumers.heard - consumers.answering) + loss};
 }
 
 void Relay::begin(const Geometry& sensor) {
@@ -44,7 +74,9 @@ void Relay::begin(const Geometry& sensor) {
 
 void Relay::process(const Package& package, std::int64_t stamp_ns) {
   const auto start = FeedbackGate::Clock::now();
-  const bool waits = waits_ && is_heard_();
+  const Consumers consumers = count_();
+  const bool waits = waits_ && consumers.heard > 0 && consumers.answering > 0;
+  if (!waits) gate_.skip();
   message_.stamp_ns = stamp_ns;
   for (EventSpan rest = package.events; !rest.empty();) {
     PackageWriter::Written written{.events = rest.size()};
@@ -56,9 +88,14 @@ void Relay::process(const Package& package, std::int64_t stamp_ns) {
     publish_(message_);
     rest = rest.subspan(written.events);
   }
-  if (waits) gate_.wait(clock_time(Seconds(feedback_timeout_ms_ * 1e-3)));
-  if (const double bound = rate_bound_; bound > 0) {
-    gate_.pause(start + clock_time(Seconds(static_cast<double>(package.events.size()) / bound)));
+  if (waits) gate_.wait();
+  for (;;) {
+    const double bound = rate_bound_;
+    const auto now = FeedbackGate::Clock::now();
+    const Seconds rest =
+        Seconds(static_cast<double>(package.events.size()) / bound) - (now - start);
+    if (!(bound > 0 && rest > Seconds(0))) break;
+    if (!gate_.pause(now + clock_time(std::min(rest, kLook)))) break;
   }
 }
 

@@ -1,11 +1,13 @@
 // Relay: the receiver that publishes packages, as messages of the middleware. The consumer of the
 // packages is the algorithm whose cost counts: with feedback, the next package waits until it has
 // finished; without, a package costs what publishing takes, or what the rate bound allows.
+// What a consumer that gives no feedback loses is not counted, and complaint() says so.
 //
 // process() is the session's thread's, the rest any thread's.
 #pragma once
 
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -31,25 +33,35 @@ struct Message {
   EventSpan events{};  // the same as events
 };
 
+// Who is at the topics: how many take the packages, and how many of them can give feedback.
+struct Consumers {
+  std::size_t heard = 0;
+  std::size_t answering = 0;
+};
+
 class Relay final : public Receiver {
  public:
   using Publish = std::function<void(Message&)>;
-  using IsHeard = std::function<bool()>;
+  using Count = std::function<Consumers()>;
 
-  // `is_heard`: whether there is a consumer; without one no feedback is waited for. Throws
+  // `count`: feedback is waited for only where a consumer can give it. Throws
   // std::invalid_argument for parameters that are none.
-  Relay(const Parameters& parameters, Publish publish, IsHeard is_heard);
+  Relay(const Parameters& parameters, Publish publish, Count count);
 
-  // The consumer has worked for so long on the message with this number, see FeedbackGate; false:
+  // This consumer has worked for so long on the message with this number, see FeedbackGate; false:
   // refused.
-  bool feedback(std::uint64_t seq, double seconds) { return gate_.feedback(seq, seconds); }
+  bool feedback(std::string_view consumer, std::uint64_t seq, double seconds) {
+    return gate_.feedback(consumer, seq, seconds);
+  }
   FeedbackGate::Counts feedbacks() const { return gate_.counts(); }
 
   void begin(const Geometry& sensor) override;
   void process(const Package& package, std::int64_t stamp_ns) override;
   void hurry() noexcept override { gate_.close(); }
-  bool is_heard() const override { return is_heard_(); }
+  bool is_heard() const override { return count_().heard > 0; }
   bool stalled() const override { return gate_.counts().stalled; }
+  const char* bottleneck() const override;
+  Complaint complaint() override;
   Facts facts() const override;
   void set(const Parameters& parameters) override;
 
@@ -57,10 +69,10 @@ class Relay final : public Receiver {
   const std::string encoding_;
   const bool waits_;  // for feedback
   const Publish publish_;
-  const IsHeard is_heard_;
-  std::atomic<double> feedback_timeout_ms_;
+  const Count count_;
   std::atomic<double> rate_bound_;
   FeedbackGate gate_;
+  FeedbackGate::Counts complained_;      // at the last complaint()
   std::optional<PackageWriter> writer_;  // none: the middleware encodes
   Message message_;
 };

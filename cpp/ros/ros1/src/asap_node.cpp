@@ -173,27 +173,35 @@ class Node {
 
   void listen() {
     if (parameters_.feedback == "topic") {
-      const boost::function<void(const ProcessingTime&)> finished =
-          [this](const ProcessingTime& time) { relay_.feedback(time.seq, time.time); };
-      times_ = self_.subscribe<ProcessingTime>("processing_time", 10, finished);
+      using Time = ros::MessageEvent<const ProcessingTime>;
+      times_ = self_.subscribe<ProcessingTime, const Time&>(
+          "processing_time", 10, [this](const Time& time) {
+            const auto& finished = *time.getMessage();
+            relay_.feedback(time.getPublisherName(), finished.seq, finished.time);
+          });
     }
     if (parameters_.feedback != "service") return;
     // Any sum is taken: the published node's consumers call without `seq`.
-    using Any = ros::ServiceSpec<AnyMessage, Feedback::Response>;
+    using Call = ros::ServiceEvent<AnyMessage, Feedback::Response>;
     ros::AdvertiseServiceOptions options;
     options.init<Feedback>("feedback", {});
     options.md5sum = "*";
-    options.helper = boost::make_shared<ros::ServiceCallbackHelperT<Any>>(
-        [this](AnyMessage& bytes, Feedback::Response& response) {
-          namespace wire = ros::serialization;
-          Feedback::Request request;
-          bytes.bytes.resize(wire::serializationLength(request));
-          wire::IStream stream(bytes.bytes.data(), static_cast<std::uint32_t>(bytes.bytes.size()));
-          wire::deserialize(stream, request);
-          response.success = relay_.feedback(request.seq, request.time);
-          return true;
-        });
+    options.helper = boost::make_shared<ros::ServiceCallbackHelperT<Call>>([this](Call& call) {
+      namespace wire = ros::serialization;
+      Feedback::Request request;
+      AnyMessage bytes = call.getRequest();
+      bytes.bytes.resize(wire::serializationLength(request));
+      wire::IStream stream(bytes.bytes.data(), static_cast<std::uint32_t>(bytes.bytes.size()));
+      wire::deserialize(stream, request);
+      call.getResponse().success = relay_.feedback(call.getCallerName(), request.seq, request.time);
+      return true;
+    });
     service_ = self_.advertiseService(options);
+  }
+
+  bridge::Consumers consumers() const {
+    const std::size_t heard = packages_.getNumSubscribers();
+    return {.heard = heard, .answering = times_ ? times_.getNumPublishers() : heard};
   }
 
   // Heeds the parameters that may change; says once why it does not.
@@ -228,7 +236,7 @@ class Node {
   std::vector<asap::Event> decoded_;
   ros::Publisher packages_, stats_, diagnostics_;
   bridge::Relay relay_{parameters_, [this](const bridge::Message& message) { publish(message); },
-                       [this] { return packages_.getNumSubscribers() > 0; }};
+                       [this] { return consumers(); }};
   bridge::Session session_{parameters_, relay_, say};
   ros::Subscriber events_, times_;
   ros::ServiceServer service_;

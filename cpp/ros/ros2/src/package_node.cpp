@@ -2,12 +2,14 @@
 // works and within latency_ms. The consumer says when it has finished a package: see `feedback`.
 #include <rclcpp/version.h>
 
+#include <algorithm>
 #include <asap_ros/msg/processing_time.hpp>
 #include <asap_ros/srv/feedback.hpp>
 #include <functional>
 #include <memory>
 #include <rclcpp_components/register_node_macro.hpp>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 
 #include "event_node.hpp"
@@ -24,11 +26,7 @@ class PackageNode : public EventNode {
   explicit PackageNode(const rclcpp::NodeOptions& options) : EventNode("asap", options) {
     declare_packages();
     advertise();
-    relay_ = std::make_unique<ros::Relay>(parameters(), publish_, [this] {
-      return publisher_->get_subscription_count() +
-                 publisher_->get_intra_process_subscription_count() >
-             0;
-    });
+    relay_ = std::make_unique<ros::Relay>(parameters(), publish_, [this] { return consumers(); });
     listen();
     start(*relay_, publisher_);
   }
@@ -85,16 +83,20 @@ class PackageNode : public EventNode {
   void listen() {
     if (parameters().feedback == "topic") {
       processing_time_ = create_subscription<ProcessingTime>(
-          "~/processing_time", 10, [this](ProcessingTime::ConstSharedPtr finished) {
-            relay_->feedback(finished->seq, finished->time);
+          "~/processing_time", 10,
+          [this](ProcessingTime::ConstSharedPtr finished, const rclcpp::MessageInfo& info) {
+            relay_->feedback(bytes_of(info.get_rmw_message_info().publisher_gid.data),
+                             finished->seq, finished->time);
           });
     }
     if (parameters().feedback == "service") {
       auto qos = rclcpp::ServicesQoS().keep_last(kCallsThatWait);
       service_ = create_service<Service>(
           "~/feedback",
-          [this](Service::Request::SharedPtr request, Service::Response::SharedPtr response) {
-            response->success = relay_->feedback(request->seq, request->time);
+          [this](std::shared_ptr<rmw_request_id_t> call, Service::Request::SharedPtr request,
+                 Service::Response::SharedPtr response) {
+            response->success =
+                relay_->feedback(bytes_of(call->writer_guid), request->seq, request->time);
           },
 #if RCLCPP_VERSION_GTE(17, 0, 0)
           qos);
@@ -102,6 +104,18 @@ class PackageNode : public EventNode {
           qos.get_rmw_qos_profile());
 #endif
     }
+  }
+
+  template <class Id>
+  static std::string_view bytes_of(const Id& id) {
+    return {reinterpret_cast<const char*>(id), sizeof id};
+  }
+
+  ros::Consumers consumers() const {
+    const std::size_t heard = std::max(publisher_->get_subscription_count(),
+                                       publisher_->get_intra_process_subscription_count());
+    return {.heard = heard,
+            .answering = processing_time_ ? processing_time_->get_publisher_count() : heard};
   }
 
   std::function<void(ros::Message&)> publish_;

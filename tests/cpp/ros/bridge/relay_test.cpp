@@ -4,7 +4,9 @@
 
 #include <atomic>
 #include <chrono>
+#include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "ros/some_events.hpp"
@@ -27,12 +29,13 @@ struct Fixture {
   explicit Fixture(const Parameters& parameters)
       : relay(
             parameters, [this](Message& message) { sent.push_back(message); },
-            [this] { return heard.load(); }) {
+            [this] { return Consumers{heard.load(), answering.load()}; }) {
     relay.begin({640, 480});
   }
 
   std::vector<Message> sent;
-  std::atomic<bool> heard{true};
+  std::atomic<std::size_t> heard{1};
+  std::atomic<std::size_t> answering{1};
   Relay relay;
 };
 
@@ -57,7 +60,7 @@ Events read(const std::vector<Message>& messages) {
 TEST(Relay, PublishesThePackages) {
   const Events events = test::some_events(2'000);
   for (const char* encoding : {"evt3", "mono"}) {
-    Fixture fixture({.encoding = encoding});
+    Fixture fixture({.feedback = "none", .encoding = encoding});
     fixture.relay.process(package_of({events.begin(), events.begin() + 900}), 5);
     fixture.relay.process(package_of({events.begin() + 900, events.end()}), 6);
     ASSERT_EQ(fixture.sent.size(), 2u);
@@ -73,12 +76,12 @@ TEST(Relay, LeavesTheEncodingToTheMiddleware) {
   Events events = test::some_events(10);
   Events seen;
   Relay relay(
-      {.encoding = "dvs_msgs"},
+      {.feedback = "none", .encoding = "dvs_msgs"},
       [&](Message& message) {
         EXPECT_TRUE(message.bytes.empty());
         seen.assign(message.events.begin(), message.events.end());
       },
-      [] { return true; });
+      [] { return Consumers{1, 1}; });
   relay.process(package_of(events), 0);
   EXPECT_EQ(seen, events);
 }
@@ -86,7 +89,7 @@ TEST(Relay, LeavesTheEncodingToTheMiddleware) {
 TEST(Relay, WaitsForTheConsumer) {
   Fixture fixture({.feedback_timeout_ms = 60'000, .feedback = "topic"});
   std::jthread consumer([&] {
-    while (!fixture.relay.feedback(0, 0.0)) std::this_thread::sleep_for(1ms);
+    while (!fixture.relay.feedback("consumer", 0, 0.0)) std::this_thread::sleep_for(1ms);
   });
   fixture.relay.process(package_of(test::some_events(10)), 0);
   consumer.join();
@@ -96,15 +99,16 @@ TEST(Relay, WaitsForTheConsumer) {
   EXPECT_EQ(fixture.relay.facts(), (Facts{{"feedback.taken", "1"},
                                           {"feedback.refused", number(counts.refused)},
                                           {"feedback.timeouts", "0"},
+                                          {"feedback.consumers", "1"},
                                           {"feedback.stalled", "false"}}));
 }
 
 TEST(Relay, WaitsForNoFeedbackWhereThereIsNoConsumer) {
   Fixture fixture({.feedback_timeout_ms = 60'000, .feedback = "topic"});
-  fixture.heard = false;
+  fixture.heard = 0;
   fixture.relay.process(package_of(test::some_events(10)), 0);
   EXPECT_EQ(fixture.relay.feedbacks().timeouts, 0u);
-  EXPECT_FALSE(fixture.relay.feedback(0, 0.0));
+  EXPECT_FALSE(fixture.relay.feedback("consumer", 0, 0.0));
 }
 
 TEST(Relay, GoesOnWhenTheTimeIsUp) {
@@ -127,13 +131,51 @@ TEST(Relay, HurriesWhenTheRunEnds) {
 }
 
 TEST(Relay, APackageLastsAsLongAsTheRateBoundSays) {
-  Fixture fixture({.rate_bound = 100'000});
+  Fixture fixture({.rate_bound = 100'000, .feedback = "none"});
   const auto start = Clock::now();
   fixture.relay.process(package_of(test::some_events(1'000)), 0);
   EXPECT_GE(Clock::now() - start, 10ms);
   fixture.relay.set({.rate_bound = 1e9});
   fixture.relay.process(package_of(test::some_events(1'000)), 0);
   EXPECT_EQ(fixture.sent.size(), 2u);
+}
+
+TEST(Relay, ATinyRateBoundHoldsUntilItChanges) {
+  Fixture fixture({.rate_bound = 1e-300, .feedback = "none"});
+  std::jthread operating([&] {
+    std::this_thread::sleep_for(5ms);
+    fixture.relay.set({.rate_bound = 0});
+  });
+  fixture.relay.process(package_of(test::some_events(10)), 0);
+  EXPECT_EQ(fixture.sent.size(), 1u);
+}
+
+TEST(Relay, SaysWhatIsWrongWithItsConsumers) {
+  Fixture fixture({.latency_ms = 1, .feedback_timeout_ms = 1});
+  const auto said = [&] {
+    const Complaint complaint = fixture.relay.complaint();
+    return std::pair{complaint.level, complaint.message};
+  };
+  EXPECT_EQ(said(), (std::pair{Level::ok, std::string()}));
+  fixture.heard = 2;
+  EXPECT_EQ(said().second, "1 consumer gives no feedback: what it loses is not counted");
+  fixture.answering = 0;
+  EXPECT_EQ(said().first, Level::warn);
+  fixture.relay.process(package_of(test::some_events(10)), 0);  // waits for none of them
+  EXPECT_EQ(fixture.relay.feedbacks().timeouts, 0u);
+  fixture.answering = 2;
+  fixture.relay.process(package_of(test::some_events(10)), 0);
+  EXPECT_EQ(said().second, "stalled: no feedback within feedback_timeout_ms");
+  fixture.relay.feedback("consumer", 1, 0.0);
+  EXPECT_EQ(said().second, "feedback refused: seq = 1: too late, its time was up");
+  EXPECT_EQ(said().second, "");
+}
+
+TEST(Relay, SaysThatNoFeedbackIsWanted) {
+  Fixture fixture({.feedback = "none"});
+  const Complaint complaint = fixture.relay.complaint();
+  EXPECT_EQ(complaint.level, Level::ok);
+  EXPECT_EQ(complaint.message, "1 consumer gives no feedback: what it loses is not counted");
 }
 
 TEST(Relay, RefusesParametersThatAreNone) {
