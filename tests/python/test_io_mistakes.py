@@ -10,11 +10,10 @@ import pytest
 
 import asap
 import corrupt
-import raw_files
 from aedat4_files import write_aedat4
 from asap import cli
 from asap.events import Events
-from asap.io import CorruptFile, NoGoodEvent, UnsupportedFormat
+from asap.io import CorruptFile, NoGoodEvent
 
 SENSOR = {"width": corrupt.WIDTH, "height": corrupt.HEIGHT}
 EVENTS = corrupt.clean_events(3000)
@@ -123,43 +122,14 @@ def test_most_events_are_bad(tmp_path: Path) -> None:
     assert rec.doubt is None
 
 
-# ---- what is no recording -------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("name", "content", "words"),
-    [
-        ("a.csv.gz", b"\x1f\x8b\x08\x00", "packed by gzip; unpack it first"),
-        ("a.raw", b"\x1f\x8b\x08\x00", "packed by gzip; unpack it first"),
-        ("a.bin", b"BZh9", "packed by bzip2; unpack it first"),
-    ],
-)
-def test_other_files_are_named(tmp_path: Path, name: str, content: bytes, words: str) -> None:
-    path = tmp_path / name
-    path.write_bytes(content + bytes(4000))
-    with pytest.raises(UnsupportedFormat, match=f"^{path}: {words}$"):
-        asap.read(path)
-    assert cli.main(["info", str(path)]) == 3
-
-
 # ---- the wrong path -------------------------------------------------------------------------
 
 
-def test_a_folder_without_the_metadata_of_a_bag(tmp_path: Path) -> None:
-    for names in ([], ["left.db3", "right.db3"], ["a_0.raw", "a_1.raw", "b_0.raw"]):
-        for name in names:
-            (tmp_path / name).touch()
-        with pytest.raises(IsADirectoryError, match=r"not of numbered parts .* give a file in it"):
-            asap.read(tmp_path)
-
-
-def test_no_path_is_not_the_current_folder(capsys: pytest.CaptureFixture[str]) -> None:
+def test_no_path_is_not_the_current_folder() -> None:
     for call in (asap.load, asap.info, asap.check):
-        with pytest.raises(ValueError, match="path = '': give a path"):
+        with pytest.raises(ValueError, match="path = ''"):
             call("")
     assert cli.main(["info", ""]) == 2
-    with pytest.raises(TypeError, match=r"path = 5: give a path, as text or pathlib\.Path"):
-        asap.load(5)  # type: ignore[arg-type]
 
 
 # ---- options that the file does not need ----------------------------------------------------
@@ -187,34 +157,3 @@ def test_a_format_that_the_content_denies(tmp_path: Path) -> None:
         with pytest.raises(CorruptFile, match=f"this is npz, not {name}; leave file_format out"):
             asap.read(tmp_path / "a.npz", file_format=name)
     assert len(asap.load(tmp_path / "a.npz", file_format="npz")) == len(EVENTS)
-
-
-def test_raw_without_an_encoding_asks_for_it(tmp_path: Path) -> None:
-    path = tmp_path / "a.raw"
-    raw_files.write_evt2(path, EVENTS)
-    words = path.read_bytes().partition(b"% end\n")[2]
-    remedy = r"; name the encoding, such as file_format='evt3' \(or evt2, evt21\)$"
-    for header, lack in (
-        (b"% date today\n% end\n", "its header has no line '% evt'"),
-        (b"", "it has no header"),
-    ):
-        path.write_bytes(header + words)
-        with pytest.raises(CorruptFile, match=f"{lack}.*{remedy}"):
-            asap.read(path)
-        assert len(asap.load(path, file_format="evt2")) == len(EVENTS)
-
-
-@pytest.mark.parametrize(
-    "verb",
-    [["info"], ["run", "--cost", "1us+1ns"], ["convert", "--format", "csv"]],
-    ids=lambda v: v[0],
-)
-def test_most_events_are_bad_for_the_command_line(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], verb: list[str]
-) -> None:
-    np.save(tmp_path / "a.npy", EVENTS)
-    out = [str(tmp_path / "out")] if verb[0] == "convert" else []
-    code = cli.main([*verb, str(tmp_path / "a.npy"), *out, "--width", "3", "--height", "999"])
-    assert code == 0
-    assert "asap: warning: " in (err := capsys.readouterr().err)
-    assert "of its 3,000 events are good" in err

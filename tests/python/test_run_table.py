@@ -5,8 +5,7 @@ import numpy as np
 import pytest
 
 import asap
-import streams
-from asap.results import Ledger, comparison_text, run_text
+from asap.results import Ledger, run_text
 from fake_run import empty_run, fake_run
 
 
@@ -37,25 +36,6 @@ def test_an_unbalanced_ledger_is_not_hidden(missing):
     assert run_text.format_ledger(ledger).splitlines()[-1] == (
         f"  NOT BALANCED: {missing} events are unaccounted for"
     )
-
-
-@pytest.mark.parametrize(
-    ("width", "height", "words"),
-    [
-        (None, None, "sensor unknown, addresses not checked"),
-        (346, 260, "346 x 260 px"),
-        (346, None, "346 x ? px, y not checked"),
-        (None, 260, "? x 260 px, x not checked"),
-    ],
-)
-def test_what_is_not_checked_is_said_once(width, height, words):
-    sensor = {"width": width, "height": height}
-    cost = asap.LinearCost(1, 1)
-    run = asap.simulate(streams.make([1, 2]), cost=cost, **sensor)
-    assert run_text.run_subtitle(run.summary()).startswith(f"{words}, 2 events in ")
-    assert run_text.format_run(run).count("not checked") == words.count("not checked")
-    comparison = asap.compare(streams.make([1, 2]), cost=cost, **sensor)
-    assert comparison_text.comparison_subtitle(comparison).startswith(f"{words}, 2 events in ")
 
 
 @pytest.mark.parametrize(
