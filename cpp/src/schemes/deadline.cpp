@@ -306,12 +306,12 @@ Decision DeadlineLaw::take(const Backlog& backlog, double latency_ns, double len
   return decision;
 }
 
-// Where the events of a package take hardly longer than what is fixed, and packages of half the
-// bound have time for all that comes, dropping events saves next to nothing. Then the reserve and
-// the caution, which are for how much to take, would throw away what mostly ends in time. So every
-// event is taken that a package which nothing disturbs finishes within the bound itself. A slope
-// that its own error exceeds does not count; the package stays so small that it takes no longer
-// than the bound if that was wrong.
+// Where the events of a package take hardly longer than what is fixed, and a package as long as
+// the bound has time for all that comes in it, dropping events saves next to nothing. Then the
+// reserve and the caution, which are for how much to take, would throw away what mostly ends in
+// time. So every event is taken that a package which nothing disturbs finishes within the bound
+// itself. A slope that its own error exceeds does not count; the package stays so small that it
+// takes no longer than the bound if that was wrong.
 std::optional<Decision> DeadlineLaw::try_all(const Backlog& backlog, const WorkByAge& work,
                                              double latency_ns) noexcept {
   if (!is_whole() || packages_ < kTells) return std::nullopt;
@@ -319,7 +319,7 @@ std::optional<Decision> DeadlineLaw::try_all(const Backlog& backlog, const WorkB
   const double certainty = cost_.certainty();
   const double bound_ns = reachable_ns();
   const double alpha_ns = cost_.undisturbed_alpha_ns();
-  const double spare = std::max(1.0 - 2.0 * alpha_ns / bound_ns, 0.0);
+  const double spare = std::max(1.0 - alpha_ns / bound_ns, 0.0);
   if (certainty * work.up_to(recent_ns) > spare * recent_ns) return std::nullopt;
   const double cheap_ns = kCheap * alpha_ns;
   if (certainty * work.up_to(bound_ns - alpha_ns - cheap_ns) > cheap_ns) return std::nullopt;
