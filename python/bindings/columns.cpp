@@ -1,5 +1,6 @@
 #include <pybind11/numpy.h>
 
+#include <bit>
 #include <optional>
 #include <span>
 #include <vector>
@@ -14,7 +15,8 @@ namespace asap::python::columns {
 namespace {
 
 std::optional<Number> number_of(const py::dtype& dtype) {
-  if (dtype.byteorder() != '=' && dtype.byteorder() != '|') return std::nullopt;
+  constexpr char kForeign = std::endian::native == std::endian::little ? '>' : '<';
+  if (dtype.byteorder() == kForeign) return std::nullopt;
   const auto width = [&](Number one, Number two, Number four, Number eight) {
     const auto bytes = dtype.itemsize();
     return bytes == 1 ? one : bytes == 2 ? two : bytes == 4 ? four : eight;

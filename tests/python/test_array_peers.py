@@ -184,6 +184,9 @@ EXACT: dict[str, Make] = {
     "t_offset of DSEC": lambda _: columns() | {"t": EVENTS["t"] - 7, "t_offset": 7},
     "tuple of four lists": lambda _: tuple(column.tolist() for column in tx(*NAMES)),
     "list with an empty one": lambda _: [EVENTS[:0], EVENTS],
+    "list of i8 and u8": lambda _: [HALVES[0], of_dtype(
+        ("t", "<u8"), ("x", "<u2"), ("y", "<u2"), ("p", "?")
+    )[N // 2 :]],
     "list of mixed kinds": lambda _: [HALVES[0], columns(HALVES[1])],
     "generator of a class": lambda _: [Own(*(half[n] for n in NAMES)) for half in HALVES],
     "memory map": lambda path: mapped(path),
@@ -227,6 +230,11 @@ EXACT: dict[str, Make] = {
     "pandas list of 4": lambda _: [pandas().iloc[i : i + N // 4] for i in range(0, N, N // 4)],
     "pandas timedelta": lambda _: pandas(t=EVENTS["t"].astype("m8[us]")),
     "pandas datetime": lambda _: pandas(t=EVENTS["t"].astype("M8[us]")),
+    "pandas datetime with a zone": lambda _: pandas(
+        t=lib("pandas").to_datetime(EVENTS["t"], unit="us", utc=True).tz_convert("Asia/Tokyo")
+    ),
+    "t as index": lambda _: pandas().set_index("t"),
+    "t as index of two": lambda _: pandas().set_index(["t", "x"]),
     "pandas boolean": lambda _: pandas(p=EVENTS["p"] > 0),
     "pandas dict": lambda _: pandas().to_dict("list"),
     "pandas columns": lambda _: [pandas()[name] for name in NAMES],
@@ -245,6 +253,9 @@ EXACT: dict[str, Make] = {
         name: lib("dask.array").from_array(column) for name, column in columns().items()
     },
     "xarray": lambda _: lib("xarray").Dataset({k: ("n", v) for k, v in columns().items()}),
+    "xarray, t as index": lambda _: lib("xarray").Dataset(
+        {name: ("t", COLUMNS[name]) for name in "xyp"}, coords={"t": COLUMNS["t"]}
+    ),
     # event libraries
     "neuromorphic-drivers": lambda _: SimpleNamespace(
         polarity_events=of_dtype(("t", "<u8"), ("x", "<u2"), ("y", "<u2"), ("on", "?"))
@@ -355,7 +366,6 @@ REFUSED: dict[str, tuple[Make, dict[str, Any], str]] = {
     ),
     "a packet of aedat": (lambda _: {"events": EVENTS, "stream_id": 0}, {}, r"source\['events'\]"),
     "with a target": (lambda _: (EVENTS, 3), {}, "source is a tuple of 2"),
-    "t as index": (lambda _: pandas().set_index("t"), {}, "no field for t"),
     "capital names": (lambda _: polars().rename(str.upper), {}, "no field for t"),
     "struct column": (
         lambda _: lib("polars").DataFrame({"events": polars().to_struct("events")}),
@@ -386,7 +396,6 @@ REFUSED: dict[str, tuple[Make, dict[str, Any], str]] = {
         {},
         "no field for p",
     ),
-    "t as index of two": (lambda _: pandas().set_index(["t", "x"]), {}, "no field for t"),
     "a frame of one struct": (
         lambda _: arrow().to_struct_array(),
         {"order": "txyp"},

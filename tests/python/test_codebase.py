@@ -37,8 +37,9 @@ MAY_INCLUDE = {
 # A module of asap may import those on lines above its own.
 PYTHON_LAYERS = (
     {"_core", "_checks"},
-    {"_stamps", "_units"},
-    {"_foreign"},
+    {"_units"},
+    {"_values"},
+    {"_columns"},
     {"events"},
     {"_order"},
     {"io", "synthetic"},

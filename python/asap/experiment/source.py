@@ -11,7 +11,7 @@ import numpy as np
 from asap import _core
 from asap._checks import named, number, sensor
 from asap._checks import source as check_source
-from asap._foreign import is_chunk, opened
+from asap._columns import is_chunk, opened
 from asap.events import Events, as_events
 from asap.io import Recording, read
 

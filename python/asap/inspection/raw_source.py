@@ -11,7 +11,8 @@ import numpy as np
 
 from asap._checks import sensor, sides
 from asap._checks import source as check_source
-from asap.events import Events, columns_of, is_event_memory
+from asap._columns import columns_of
+from asap._values import Events, is_event_memory
 from asap.experiment.source import is_iterable_of_arrays, names_files
 from asap.io import Recording, read
 from asap.io.columns import events_of

@@ -15,7 +15,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from asap.events import Events, pack_good
+from asap._values import Events, pack
 from asap.io.columns import events_of, first_us, row_before
 from asap.io.errors import HARMLESS, MAX_RATIO, CorruptFile, foreign, library
 from asap.io.reader import CHUNK, Losses, Options, choose_stream, expected_of, sensor_size
@@ -106,7 +106,7 @@ class Aedat4Reader:
                     out, filled = losses.room(CHUNK), 0
                 place = out[filled : filled + len(rows)]
                 columns = {role: rows[role] for role in "txyp"}
-                if pack_good(columns, normalise=False, out=place) is not None:
+                if pack(columns, normalise=False, out=place) is not None:
                     filled += len(rows)
                 else:
                     yield out[:filled]

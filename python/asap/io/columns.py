@@ -11,18 +11,17 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from asap._stamps import are_thousands, time_exponent
-from asap.events import (
+from asap._columns import columns_by_order, columns_of
+from asap._values import (
     Columns,
     Events,
-    columns_by_order,
-    columns_of,
+    Misfit,
+    are_thousands,
     is_event_memory,
-    misfit_message,
     misfits,
     pack,
-    pack_good,
     plain_view,
+    time_exponent,
 )
 from asap.io.errors import UnsupportedFormat, unclear_unit
 from asap.io.reader import CHUNK, Losses, Options
@@ -92,14 +91,12 @@ def events_of(source: Any, options: Options, losses: Losses, first: int = 0) -> 
             raise unclear_unit(losses.path, unit == "s")
     exponent = time_exponent(unit)
     out = losses.room(len(columns["t"]))
-    events = pack_good(columns, exponent, normalise=False, out=out)
-    if events is not None:
-        return events
-    bad = {role: misfits(role, column, exponent) for role, column in columns.items()}
-    found = {role: mask for role, mask in bad.items() if mask is not None and mask.any()}
-    if found:
-        columns = _without(columns, found, losses, first)
-    return pack(columns, exponent, normalise=False)
+    events = pack(columns, exponent, normalise=False, out=out)
+    if events is None:
+        columns = _without(columns, exponent, losses, first)
+        events = pack(columns, exponent, normalise=False)
+        assert events is not None
+    return events
 
 
 def pieces_of(source: Any, options: Options, losses: Losses, first: int = 0) -> Iterator[Events]:
@@ -136,26 +133,23 @@ def _all_whole(times: npt.NDArray[Any]) -> bool:
     return finite.size > 0 and bool((finite == np.floor(finite)).all())
 
 
-def _without(
-    columns: Columns, found: dict[str, npt.NDArray[np.bool_]], losses: Losses, first: int
-) -> Columns:
+def _without(columns: Columns, exponent: int, losses: Losses, first: int) -> Columns:
     if losses.on_bad == "raise":
-        role = min(found, key=lambda name: int(np.argmax(found[name])))
-        raise ValueError(misfit_message(role, columns[role], int(np.argmax(found[role])), first))
+        raise Misfit(columns, exponent, first)
     none = np.zeros(len(columns["t"]), np.bool_)
-    unreadable, outside = none.copy(), none.copy()
-    between = none.copy()
-    for role, mask in found.items():
+    unreadable, outside, between = none.copy(), none.copy(), none.copy()
+    for role, column in columns.items():
+        mask = misfits(role, column, exponent)
         if role in "tp":
             unreadable |= mask
         else:
-            whole = columns[role] == np.floor(columns[role])  # False for NaN
-            unreadable |= np.isnan(columns[role])
+            whole = column == np.floor(column)  # False for NaN
+            unreadable |= np.isnan(column)
             between |= mask & ~whole
             outside |= mask & whole
     losses.between_pixels += int(between.sum())
     if losses.on_bad == "clamp":
-        columns = columns | {role: _clamped(columns[role]) for role in ("x", "y")}
+        columns = {**columns, "x": _clamped(columns["x"]), "y": _clamped(columns["y"])}
         losses.clamped_positions += int(((outside | between) & ~unreadable).sum())
         outside = none
     else:
@@ -198,4 +192,4 @@ def by_order(path: Path, name: str, rows: npt.NDArray[Any], order: str | None) -
     if len(order) != count:
         fault = f"names {len(order)} columns, {name} in {path} has {count}"
         raise ValueError(f"order = {order!r}: {fault}")
-    return columns_by_order(rows, order)
+    return columns_by_order(rows.T, order)
