@@ -11,6 +11,7 @@ import threading
 import time
 import warnings
 from collections.abc import Iterator
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -31,6 +32,8 @@ __all__ = ["Camera", "CameraError", "CameraInfo", "Packet", "SoftwareCamera"]
 __all__ += ["cameras", "open_camera"]
 
 _WAIT_S = 0.1  # the longest that a silent camera keeps its thread
+_STEP_US = 1000  # events of a packet that came within it are of one age
+_MOST_STEPS = 64  # packets that a driver merges
 _OLDEST_S = 60.0  # limit on a packet's age, since the wall clock may have been set
 _UNPLUGGED = "it was unplugged; plug it in and open it again"
 # neuromorphic-drivers raises only RuntimeError; its words tell the cause.
@@ -194,7 +197,8 @@ class Camera:
             return None
         age_s = min(max(status.system_time - ring.system_time, 0.0), _OLDEST_S)
         marks, events = packet.polarity_events_overflow_indices, packet.polarity_events
-        lost = 0 if self._dropped is None else ring.dropped_packets - self._dropped
+        before = ring.dropped_packets if self._dropped is None else self._dropped
+        lost = max(ring.dropped_packets - before, 0)  # a counter that goes back begins again
         self._dropped, self._last_s, self._backlog = ring.dropped_packets, now, ring.backlog
         self._most_backlog = max(self._most_backlog, ring.backlog)
         self._packets += 1
@@ -228,7 +232,8 @@ class Camera:
             while not self._leaving.is_set() and main.is_alive() and time.monotonic() < end_s:
                 if (packet := self._read()) is not None:
                     pipeline.upstream_lost(packet.lost_marks, packet.lost_packets)
-                    pipeline.push(packet.events, packet.arrival_time)
+                    for events, arrival_time in _by_arrival(packet):
+                        pipeline.push(events, arrival_time)
                 elif self._state != "open" or not pipeline.is_open:
                     return
         except BaseException as error:  # a driver's panic is no Exception; push raises if stopped
@@ -363,6 +368,21 @@ class SoftwareCamera(Camera):
         super().__init__(Playback(in_order(stream, relative=True), size, *how))
         for loss in losses(stream):
             warnings.warn(f"{self}: {loss}", stacklevel=2)
+
+
+def _by_arrival(packet: Packet) -> Iterator[tuple[Any, float]]:
+    """Divide a packet that a driver merged: an event came as long after the first as its stamp."""
+    events, begin_s = packet.events, packet.arrival_time
+    age_us = round(1e6 * (time.monotonic() - begin_s))
+    if len(events) < 2 or age_us < _STEP_US:
+        yield events, begin_s
+        return
+    t = events["t"]
+    step_us = max(_STEP_US, age_us // _MOST_STEPS)
+    since_us = np.clip((t - t[0]).astype(np.int64), 0, age_us)
+    steps = np.maximum.accumulate(since_us // step_us)
+    for begin, end in pairwise([0, *(np.flatnonzero(np.diff(steps)) + 1).tolist(), len(t)]):
+        yield events[begin:end], begin_s + 1e-6 * int(steps[begin]) * step_us
 
 
 def _name(value: Any) -> str:

@@ -25,8 +25,9 @@ class Connection(Enum):
 class Driver(ModuleType):
     """One camera is attached, unless `fault` says what the driver raises.
 
-    `script` is what the camera does, packet by packet: "events", "silence", "frames", "loss", or
-    the words of an error; when it is over the camera is silent.
+    `script` is what the camera does, packet by packet: "events", "silence", "frames", "loss",
+    "merged" (of 20, with the time of the first), "wild" (a stamp beyond 63 bits, a count of losses
+    that goes back), or the words of an error; when it is over the camera is silent.
     """
 
     def __init__(self, script: tuple[str, ...] = (), fault: str | None = None) -> None:
@@ -86,12 +87,16 @@ class Device:
         if step == "silence":
             time.sleep(self._driver.given["iterator_timeout"])
             return SimpleNamespace(system_time=time.time(), ring=None), None
-        if step not in ("events", "loss", "frames"):
+        if step not in ("events", "loss", "frames", "merged", "wild"):
             raise RuntimeError(step)
         self._dropped += 3 * (step == "loss")  # the driver counts from the opening on
         events = None if step == "frames" else self._events()
+        if step == "merged":
+            events = np.concatenate([events, *(self._events() for _ in range(19))])
+        if step == "wild":
+            events["t"][500], self._dropped = 2**63, -2
         ring = SimpleNamespace(
-            system_time=time.time() - 0.005,
+            system_time=time.time() - (0.02 if step == "merged" else 0.005),
             backlog=len(self._left),
             dropped_packets=self._dropped,
         )

@@ -150,6 +150,47 @@ def test_packets_say_when_they_came_and_what_was_lost(attach: Callable[..., Driv
     assert sizes == [(PACKET, 0, 0), (0, 0, 0), (PACKET, 1, 3)]
 
 
+class Noted:
+    """What a camera feeds, in place of a pipeline."""
+
+    is_open = True
+
+    def __init__(self) -> None:
+        self.pushed: list[tuple[Any, float]] = []
+
+    def push(self, events: Any, arrival_time: float) -> None:
+        self.pushed.append((events, arrival_time))
+
+    def upstream_lost(self, marks: int, packets: int) -> None: ...
+
+    def stop(self) -> None: ...
+
+
+def test_events_that_a_driver_merged_came_one_after_the_other(
+    attach: Callable[..., Driver],
+) -> None:
+    attach("merged", UNPLUGGED)
+    noted: Any = Noted()
+    with pytest.raises(asap.CameraError), asap.open_camera() as camera:
+        camera.feed(noted)
+    first_s = noted.pushed[0][1]
+    assert sum(len(events) for events, _ in noted.pushed) == 20 * PACKET
+    for events, arrival_s in noted.pushed:
+        late_s = arrival_s - first_s - 1e-6 * events["t"].astype(float)
+        assert np.abs(late_s).max() < 0.0015
+
+
+def test_one_wild_stamp_and_a_count_that_goes_back_end_no_run(
+    attach: Callable[..., Driver],
+) -> None:
+    attach("events", "wild", "events", UNPLUGGED)
+    with pytest.raises(asap.CameraError), asap.open_camera() as camera:
+        asap.run(camera, algorithm=len, latency_ms=LONG_MS)
+    ledger = asap.last_run().ledger
+    assert (ledger.received, ledger.rejected) == (3 * PACKET, 1)
+    assert asap.last_run().rejected == {**asap.last_run().rejected, "bad_record": 1}
+
+
 def test_an_error_of_the_algorithm_comes_out_unchanged(attach: Callable[..., Driver]) -> None:
     driver = attach(*["events"] * 50)
     with (

@@ -111,6 +111,17 @@ def test_what_is_not_read_in_time_is_lost_and_counted(drop: float) -> None:
     assert lost > 1000
 
 
+def test_what_waited_for_a_second_run_is_left_out() -> None:
+    stamps: list[Any] = []
+    with asap.SoftwareCamera(stream(800_000, 5), packet_us=100, **SENSOR) as camera:
+        next(iter(camera))
+        begin_s = time.monotonic()
+        time.sleep(0.5)  # the pipe holds 1 MiB, the camera 1000 packets
+        waited_us = 1e6 * (time.monotonic() - begin_s)
+        asap.run(camera, algorithm=lambda some: stamps.append(some["t"][0]), latency_ms=LONG_MS)
+    assert stamps[0] >= waited_us
+
+
 def test_a_run_is_five_lines_and_the_same_as_of_a_recording() -> None:
     tracker = asap.ClusterTracker(20, 10)
     with asap.SoftwareCamera(stream(), **SENSOR) as camera:

@@ -142,6 +142,7 @@ class Pipeline:
             warmup_discard_us=warmup_discard_us,
             long_log=self._long_log,
         )
+        self._counts_bad = on_bad != "raise"
         self._native = _core.LivePipeline(self.scheme, self._config)
         self._log = Log(self._native)
         self._telemetry = None if telemetry is None else TelemetryFile(telemetry)
@@ -169,7 +170,7 @@ class Pipeline:
         ValueError
             A bad event with on_bad="raise"; those before it are taken.
         """
-        array = events_of_argument("events", events)
+        array = events_of_argument("events", events, marks=self._counts_bad)
         for begin in range(0, max(array.size, 1), _CHUNK):
             if not self._native.push(array[begin : begin + _CHUNK], arrival_time):
                 reason = "another thread is pushing" if self.is_open else "the pipeline is stopped"
