@@ -18,8 +18,8 @@ from typing import Any
 from unittest import mock
 
 from composition_interfaces.srv import LoadNode
-from peers import PREFIXES, PRELOAD, Peer, program
 from rclpy.parameter import Parameter
+from ros2_door import PREFIXES, PRELOAD, Peer, program
 
 WORDS = {
     "launch": ["LaunchContext", "LaunchDescription"],

@@ -14,14 +14,12 @@ from typing import Any
 import numpy as np
 import pytest
 from composition_interfaces.srv import LoadNode, UnloadNode
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from peers import PRELOAD, Peer, mono, peers, program
+from door import mono, wait
 from rcl_interfaces.msg import Log
 from rclpy.parameter import Parameter
+from ros2_door import PRELOAD, Peer, program
 from sensor_msgs.msg import PointCloud2
 from std_msgs.msg import UInt64
-
-make_peer = pytest.fixture(peers)
 
 
 class Container:
@@ -79,8 +77,8 @@ def test_the_tracker_publishes_its_clusters(container: Container) -> None:
     peer, clouds = container.peer, []
     peer.create_subscription(PointCloud2, "asap_cluster_tracker/clusters", clouds.append, 10)
     container.load("asap_ros::ClusterTrackerNode", latency_ms=200.0)
-    peer.wait(lambda: peer.driver.get_subscription_count() > 0, "the tracker subscribes")
-    peer.wait(lambda: peer.count_publishers("asap_cluster_tracker/clusters") > 0, "it publishes")
+    wait(lambda: peer.driver.get_subscription_count() > 0, "the tracker subscribes")
+    wait(lambda: peer.count_publishers("asap_cluster_tracker/clusters") > 0, "it publishes")
     random = np.random.default_rng(1)
     at, seq = np.array([100.0, 200.0]), 0
     while not any(cloud.width for cloud in clouds):  # a disc that moves by 300 px/s
@@ -104,27 +102,25 @@ def test_an_algorithm_of_the_users_own_runs_in_the_container(container: Containe
     peer, counts = container.peer, []
     peer.create_subscription(UInt64, "own/on_events", lambda count: counts.append(count.data), 10)
     container.load("OwnNode", package="own_node", latency_ms=200.0)
-    peer.wait(lambda: peer.driver.get_subscription_count() > 0, "the component subscribes")
-    peer.wait(lambda: peer.count_publishers("own/on_events") > 0, "it publishes")
-    peer.wait(lambda: peer.count_subscribers("own/on_events") > 0, "we subscribe")
+    wait(lambda: peer.driver.get_subscription_count() > 0, "the component subscribes")
+    wait(lambda: peer.count_publishers("own/on_events") > 0, "it publishes")
+    wait(lambda: peer.count_subscribers("own/on_events") > 0, "we subscribe")
     peer.send(mono(np.arange(1000)))
-    peer.wait(lambda: 1000 in counts, "all events are counted")
+    wait(lambda: 1000 in counts, "all events are counted")
 
 
 def test_what_throws_is_reported_and_logged_once(container: Container) -> None:
-    peer, said, log = container.peer, [], []
-    peer.create_subscription(DiagnosticArray, "/diagnostics", said.append, 10)
+    peer, log = container.peer, []
     peer.create_subscription(Log, "/rosout", log.append, 1000)
     container.load("FailingNode", package="failing_component", latency_ms=200.0)
-    peer.wait(lambda: peer.driver.get_subscription_count() > 0, "the component subscribes")
-    peer.wait(lambda: said, "a report")
+    wait(lambda: peer.driver.get_subscription_count() > 0, "the component subscribes")
+    wait(lambda: peer.said, "a report")
     message = "process() throws: no room"
     for i in range(150):
         peer.send(mono(np.arange(10) + i * 10_000))
         time.sleep(0.01)
-    states = [array.status[0] for array in said]
-    assert (DiagnosticStatus.ERROR, message) in [(state.level, state.message) for state in states]
-    peer.wait(lambda: [line for line in log if line.msg == message], "a line in the log")
+    peer.diagnosed(2, message)
+    wait(lambda: [line for line in log if line.msg == message], "a line in the log")
     assert len([line for line in log if line.msg == message]) == 1
 
 
@@ -144,9 +140,9 @@ def test_the_names_of_the_published_node(container: Container) -> None:
     rules = ("__ns:=/robot", "events:=/camera", "~/events:=/asap/events")
     rules = (*rules, "~/feedback:=/asap/feedback")
     container.load("asap_ros::PackageNode", remap=rules, feedback="service")
-    peer.wait(lambda: peer.count_publishers("/asap/events") == 1, "the topic")
-    peer.wait(lambda: peer.count_services("/asap/feedback") == 1, "the service")
-    peer.wait(lambda: peer.count_subscribers("/camera") == 1, "the driver's topic")
+    wait(lambda: peer.count_publishers("/asap/events") == 1, "the topic")
+    wait(lambda: peer.count_services("/asap/feedback") == 1, "the service")
+    wait(lambda: peer.count_subscribers("/camera") == 1, "the driver's topic")
     assert peer.count_publishers("/robot/asap/stats") == 1
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import pytest
-from peers import DATA, QOS, AsapNode, CppPeer, Peer, ledger_in, messages_of, peers
+from door import DATA, ledger_in, wait
+from ros2_door import QOS, AsapNode, CppPeer, Peer, messages_of
 
-make_peer = pytest.fixture(peers)
 BAG = "room_person_evt3.db3"
 
 
@@ -22,8 +22,8 @@ def test_twenty_million_events_per_second_are_accounted_for(make_peer: Callable[
 
     with AsapNode(latency_ms=200) as node, CppPeer("source", size, count, 1_000) as source:
         took = source.result()["seconds"]
-        watcher.wait(lambda: seen() == size * count, "every event is in the ledger, or lost before")
-        code, said, _ = node.interrupt()
+        wait(lambda: seen() == size * count, "every event is in the ledger, or lost before")
+        code, said = node.interrupt()
     ledger = ledger_in(said)
     print(f"{size * count / took * 1e-6:.1f} Mev/s: {ledger}, {watcher.stats[-1]['upstream_lost']}")
     assert code == 0
@@ -39,13 +39,26 @@ def test_in_the_drivers_process_no_packet_is_copied() -> None:
     assert result["allocations"] == result["messages"]  # the driver's own
 
 
+def test_two_cameras_in_one_process_are_not_merged(make_peer: Callable[..., Peer]) -> None:
+    """They have one frame, one size and the same numbers."""
+    watcher, count = make_peer(consume=False), 5_000
+    with CppPeer("process", "asap", 100, count, 1_000, 2) as process:
+        watcher.diagnosed(1, "two cameras: /source is heard, /source is refused")
+        stats = watcher.next_stats()
+        events = process.result()["events"]
+    print(stats["messages"], stats["clock_resets"], events)
+    assert stats["clock_resets"] <= 2
+    assert stats["messages"]["refused_publisher"] > 0
+    assert events <= 100 * count * 1.1  # of one camera; both for the first second at most
+
+
 @pytest.mark.skipif(not (DATA / "ros" / BAG).exists(), reason=f"no {BAG}")
 def test_virtual_time_makes_the_packages_of_python(make_peer: Callable[..., Peer]) -> None:
     asap = pytest.importorskip("asap", reason="no wheel of asap: set ASAP_DIST")
     messages = messages_of(BAG)
     driver = make_peer(consume=False, qos=QOS)  # every message has to arrive
     with CppPeer("virtual", len(messages)) as bridge:
-        driver.wait(lambda: driver.driver.get_subscription_count() > 0, "the bridge subscribes")
+        wait(lambda: driver.driver.get_subscription_count() > 0, "the bridge subscribes")
         driver.play(messages)
         rows = bridge.result()
     cost = asap.LinearCost(alpha_us=100, beta_ns=3000)

@@ -11,11 +11,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from door import mono, wait
 from event_camera_msgs.msg import EventPacket
-from peers import DRIVERS_QOS, AsapNode, Peer, mono, peers
+from ros2_door import DRIVERS_QOS, PRELOAD, AsapNode, Peer, program
 
 README = (Path(__file__).parents[2] / "cpp/ros/ros2/README.md").read_text()
-make_peer = pytest.fixture(peers)
 
 
 def test_the_command_starts_the_node_on_the_drivers_topic(make_peer: Callable[..., Peer]) -> None:
@@ -23,30 +23,34 @@ def test_the_command_starts_the_node_on_the_drivers_topic(make_peer: Callable[..
     peer = make_peer(consume=False)
     driver = peer.create_publisher(EventPacket, "/event_camera/events", DRIVERS_QOS)
     with AsapNode(words=words.split()) as node:
-        peer.wait(lambda: driver.get_subscription_count() > 0, "the node subscribes")
+        wait(lambda: driver.get_subscription_count() > 0, "the node subscribes")
         assert peer.next_stats()["latency_bound_us"] == 10_000
         (name, value) = re.findall(r"^ros2 param set /asap (\S+) (\S+)$", README, re.M)[0]
         assert peer.set(**{name: float(value)}).successful
-        peer.wait(lambda: peer.next_stats()["latency_bound_us"] == 20_000, "the bound is in force")
-        code, _, _ = node.interrupt()
+        wait(lambda: peer.next_stats()["latency_bound_us"] == 20_000, "the bound is in force")
+        code, _ = node.interrupt()
     assert code == 0
 
 
-def test_the_consumer_says_when_it_has_finished(make_peer: Callable[..., Peer]) -> None:
+@pytest.mark.parametrize("language", ["python", "cpp"])
+def test_the_consumer_says_when_it_has_finished(
+    make_peer: Callable[..., Peer], language: str
+) -> None:
     (code,) = re.findall(r"^```python\n(.*?)^```", README, re.M | re.S)
+    in_python, in_cpp = [sys.executable, "-c", code], [program("failing_component", "consumer")]
     peer = make_peer(consume=False)
-    consumer = subprocess.Popen([sys.executable, "-c", code])
+    consumer = subprocess.Popen(in_cpp if language == "cpp" else in_python, env=PRELOAD)
     try:
-        with AsapNode(feedback="topic", latency_ms=500):
+        with AsapNode(latency_ms=500):
             peer.wait_for_node()
             for name in ("asap/events", "asap/processing_time"):
-                peer.wait(lambda name=name: peer.count_subscribers(name) > 0, name)
+                wait(lambda name=name: peer.count_subscribers(name) > 0, name)
+            wait(lambda: peer.count_publishers("asap/processing_time") > 0, "it gives feedback")
             peer.next_stats()
             for i in range(50):
                 peer.send(mono(np.arange(1000) + 10_000 * i))
                 time.sleep(0.01)
-            peer.wait(lambda: peer.next_stats()["ledger"]["pending"] == 0, "nothing pending")
-        stats = peer.stats[-1]
+            stats = peer.settled()
     finally:
         consumer.kill()
         consumer.wait()

@@ -4,8 +4,8 @@
 //   peer relay                                publishes each message again
 //   peer sink TOPIC EVENTS                    a consumer; ends when so many have come, or after 3 s
 //                                             without any more
-//   peer process asap|relay EVENTS MESSAGES PERIOD_US
-//                                             driver, component and consumer in one process
+//   peer process asap|relay EVENTS MESSAGES PERIOD_US [DRIVERS]
+//                                             drivers, component and consumer in one process
 //   peer codec EVENTS MESSAGES                decodes and encodes without a middleware
 //   peer virtual MESSAGES                     bridge and Simulator: the packages of virtual time
 //
@@ -119,8 +119,11 @@ void process(const Words& words) {
   executor.add_node(consumer);
   watched_size = bytes_of(load.events);
   {
-    const auto driver = std::make_shared<Source>(load, 1, options);
-    executor.add_node(driver);
+    std::vector<std::shared_ptr<Source>> drivers;
+    for (int i = 0; i < (words.size() > 5 ? std::stoi(words[5]) : 1); ++i) {
+      drivers.push_back(std::make_shared<Source>(load, 1, options));
+      executor.add_node(drivers.back());
+    }
     spin_until(executor, *consumer, load.events * load.messages);
   }
   watched_size = 0;

@@ -1,22 +1,22 @@
-"""What stands around the node in the tests: its process, a driver, a consumer, packets as bytes."""
+"""The door to ROS 2: its node, driver, consumer and operator over DDS on loopback."""
 
 from __future__ import annotations
 
 import json
 import os
-import re
-import signal
 import socket
 import sqlite3
 import subprocess
 import threading
-import time
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import rclpy
+from asap_ros.msg import ProcessingTime
+from asap_ros.srv import Feedback
+from diagnostic_msgs.msg import DiagnosticArray
+from door import DATA, Ends, Packet, Program, status_of, wait
 from event_camera_msgs.msg import EventPacket
 from rcl_interfaces.srv import SetParametersAtomically
 from rclpy.executors import SingleThreadedExecutor
@@ -44,11 +44,17 @@ def own_domain() -> socket.socket:
 
 DOMAIN = own_domain()
 PREFIXES = [Path(prefix) for prefix in os.environ["AMENT_PREFIX_PATH"].split(":")]
-DATA = Path(os.environ.get("ASAP_TEST_DATA", "none"))
 QOS = QoSProfile(depth=10_000, reliability=ReliabilityPolicy.RELIABLE)
 # As metavision_driver and libcaer_driver publish: neither is heard by a reliable subscriber.
 DRIVERS_QOS = QoSProfile(depth=1000, reliability=ReliabilityPolicy.BEST_EFFORT)
 PRELOAD = {**os.environ, "LD_PRELOAD": os.environ.get("ROS2_PRELOAD", "")}
+
+# Events and sensors of the bags, as every reader of bags finds them.
+BAGS = {
+    "room_person_evt3.db3": (343_474, 640, 480),
+    "noise_hd_evt3.db3": (82_469, 1280, 720),
+    "mono_100.db3": (100, 640, 480),
+}
 
 
 def program(package: str, name: str) -> str:
@@ -57,21 +63,13 @@ def program(package: str, name: str) -> str:
     return str(next(path for path in paths if path.exists()))
 
 
-class CppPeer:
+class CppPeer(Program):
     """A role of peers/peer.cpp, until the end of the `with` block."""
 
     def __init__(self, *words: Any, remap: str = "") -> None:
         command = [program("asap_ros", "peer"), *map(str, words)]
         command += ["--ros-args", "-r", remap] if remap else []
         self.process = subprocess.Popen(command, env=PRELOAD, stdout=subprocess.PIPE, text=True)
-
-    def __enter__(self) -> CppPeer:
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        if self.process.poll() is None:
-            self.process.kill()
-        self.process.communicate()
 
     def result(self, seconds: float = 120.0) -> Any:
         """Wait for its end; return what it has to say."""
@@ -86,15 +84,7 @@ def messages_of(bag: str) -> list[tuple[int, bytes]]:
         return database.execute("select timestamp, data from messages order by id").fetchall()
 
 
-def mono(t_us: np.ndarray, x: np.ndarray | int = 1, y: np.ndarray | int = 1) -> bytes:
-    """Return ON events as the bytes of a packet; times count from its time_base."""
-    words = np.asarray(t_us, np.uint64) * np.uint64(1000)
-    words = words | (np.asarray(x, np.uint64) << np.uint64(32))
-    words = words | (np.asarray(y, np.uint64) << np.uint64(48)) | np.uint64(1 << 63)
-    return words.astype("<u8").tobytes()
-
-
-class AsapNode:
+class AsapNode(Program):
     """The executable, with parameters or words of a command, until the end of the `with` block."""
 
     def __init__(self, *, remap: str = "", words: Sequence[str] = (), **parameters: Any) -> None:
@@ -102,51 +92,29 @@ class AsapNode:
         for name, value in parameters.items():
             command += ["-p", f"{name}:={json.dumps(value)}"]
         command += ["-r", remap] if remap else []
-        self.process = subprocess.Popen(
-            command, env=PRELOAD, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
-        )
-
-    def __enter__(self) -> AsapNode:
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        if self.process.poll() is None:
-            self.process.kill()
-        self.process.communicate()
-
-    def interrupt(self) -> tuple[int, str, float]:
-        """Send SIGINT; return exit code, what the node said and the time to the end in s."""
-        start = time.monotonic()
-        self.process.send_signal(signal.SIGINT)
-        said, _ = self.process.communicate(timeout=60)
-        return self.process.returncode, said, time.monotonic() - start
+        super().__init__(command, PRELOAD)
 
 
-def ledger_in(said: str) -> dict[str, int]:
-    """Return the ledger that the node has logged last."""
-    line = re.findall(r"run ended: (received .*)", said)[-1]
-    assert "does not add up" not in line
-    return {name: int(count) for name, count in re.findall(r"([a-z]+) (\d+)", line)}
-
-
-class Peer(Node):
-    """Driver and consumer; its callbacks run on a thread of its own."""
+class Peer(Ends, Node):
+    """Driver, consumer and operator; its callbacks run on a thread of its own."""
 
     def __init__(
         self, *, consume: bool = True, name: str = "peer", qos: QoSProfile = DRIVERS_QOS
     ) -> None:
-        super().__init__(name)
-        self.seq = 0
-        self.packets: list[EventPacket] = []
-        self.on_packet: Callable[[EventPacket], None] = lambda packet: None
-        self.stats: list[dict[str, Any]] = []
+        Node.__init__(self, name)
+        Ends.__init__(self)
         self.driver = self.create_publisher(EventPacket, "events", qos)
         if consume:
             self.create_subscription(EventPacket, "asap/events", self._take, QOS)
-        self.create_subscription(String, "asap/stats", self._note, 10)
+        self.create_subscription(String, "asap/stats", self.note, 10)
+        self.create_subscription(
+            DiagnosticArray, "/diagnostics", lambda array: self.said.append(status_of(array)), 10
+        )
         self.parameters = self.create_client(
             SetParametersAtomically, "asap/set_parameters_atomically"
         )
+        self._feedback = self.create_client(Feedback, "asap/feedback", qos_profile=QOS)
+        self._times: Any = None
         self._executor = SingleThreadedExecutor()
         self._executor.add_node(self)
         self._closed = threading.Event()
@@ -166,16 +134,10 @@ class Peer(Node):
             self._executor.spin_once(timeout_sec=0.1)
 
     def _take(self, packet: EventPacket) -> None:
-        self.packets.append(packet)
-        self.on_packet(packet)
-
-    def _note(self, stats: String) -> None:
-        self.stats.append(json.loads(stats.data))
-
-    @property
-    def events(self) -> np.ndarray:
-        """The words of the mono packets that have come."""
-        return np.frombuffer(b"".join(bytes(p.events) for p in list(self.packets)), "<u8")
+        stamp_ns = packet.header.stamp.sec * 10**9 + packet.header.stamp.nanosec
+        sensor = packet.width, packet.height
+        rest = packet.encoding, packet.time_base, bytes(packet.events)
+        self.take(Packet(packet.seq, stamp_ns, *sensor, *rest))
 
     def send(
         self,
@@ -196,37 +158,45 @@ class Peer(Node):
         self.driver.publish(packet)
         return now.nanoseconds
 
-    def play(self, messages: list[tuple[int, bytes]]) -> None:
-        """Publish stored messages in their own pace."""
-        start = time.monotonic()
-        for stamp, message in messages:
-            time.sleep(max(0.0, start + (stamp - messages[0][0]) * 1e-9 - time.monotonic()))
-            self.driver.publish(message)
+    def send_raw(self, message: bytes) -> None:
+        self.driver.publish(message)
 
-    def wait(self, condition: Callable[[], Any], what: str, seconds: float = 60.0) -> Any:
-        end = time.monotonic() + seconds
-        while not (met := condition()):
-            assert time.monotonic() < end, f"not within {seconds} s: {what}"
-            time.sleep(0.01)
-        return met
+    def answer(self) -> None:
+        """Be one that gives feedback on the topic; the node knows it."""
+        self._times = self.create_publisher(ProcessingTime, "asap/processing_time", 10)
 
     def wait_for_node(self, *, consumers: bool = True) -> None:
-        self.wait(lambda: self.driver.get_subscription_count() > 0, "the node subscribes")
-        self.wait(lambda: self.count_publishers("asap/stats") > 0, "the node reports")
+        wait(lambda: self.driver.get_subscription_count() > 0, "the node subscribes")
+        wait(lambda: self.count_publishers("asap/stats") > 0, "the node reports")
         if consumers:
-            self.wait(lambda: self.count_publishers("asap/events") > 0, "the node publishes")
+            wait(lambda: self.count_publishers("asap/events") > 0, "the node publishes")
+        if self._times:
+            wait(lambda: self._times.get_subscription_count() > 0, "the node listens")
         self.next_stats()
 
-    def next_stats(self) -> dict[str, Any]:
-        """Return a report that was made from now on."""
-        seen = len(self.stats) + 1
-        self.wait(lambda: len(self.stats) > seen, "two reports")
-        return self.stats[-1]
+    def finish(self, seq: int, seconds: float) -> None:
+        """Give feedback on the topic."""
+        self._times.publish(ProcessingTime(seq=seq, time=seconds))
+
+    def call(self, seq: int, seconds: float) -> bool:
+        """Give feedback by the service."""
+        return self.ask(self._feedback, Feedback.Request(seq=seq, time=seconds)).success
+
+    def calls(self, count: int) -> list[bool]:
+        """Call the service without a package in flight, many times at once."""
+        assert self._feedback.wait_for_service(30.0)
+        answers: list[bool] = []
+        for i in range(count):
+            future = self._feedback.call_async(Feedback.Request(time=1e-3))
+            future.add_done_callback(lambda future: answers.append(future.result().success))
+            wait(lambda i=i: i - len(answers) <= 100, "answers")
+        wait(lambda: len(answers) == count, "all answers")
+        return answers
 
     def ask(self, client: Any, request: Any) -> Any:
         assert client.wait_for_service(30.0)
         future = client.call_async(request)
-        self.wait(future.done, "an answer")
+        wait(future.done, "an answer")
         return future.result()
 
     def set(self, **values: Any) -> Any:
@@ -249,3 +219,8 @@ def peers() -> Iterator[Callable[..., Peer]]:
     for peer in made:
         peer.close()
     rclpy.shutdown()
+
+
+def master() -> Iterator[None]:
+    """Nothing: ROS 2 has none."""
+    yield
