@@ -56,23 +56,21 @@ PackageWriter::Written PackageWriter::write_mono(EventSpan events,
 void PackageWriter::write_evt3(EventSpan events, std::vector<std::uint8_t>& bytes) {
   std::array<Event, kBlock> shifted;
   std::array<std::byte, kBlock * Encoder::kMaxPerEvent> encoded;
-  const auto goes_on = [this](const Event& event) {
-    return event.t >= last_us_ && event.t - last_us_ <= kMostGap_us;
-  };
   bytes.reserve(events.size() * 4 + Encoder::kMaxPerEvent);
   evt3_.restate();
   while (!events.empty()) {
-    if (!goes_on(events.front())) {
+    if (events.front().t < last_us_ || events.front().t - last_us_ > kMostGap_us) {
       evt3_.reset();
       origin_us_ = events.front().t & ~(kEvt3Range_us - 1);
       last_us_ = events.front().t;
     }
-    std::size_t count = 0;
-    for (; count < std::min(kBlock, events.size()) && goes_on(events[count]); ++count) {
-      shifted[count] = events[count];
-      shifted[count].t -= origin_us_;
-      last_us_ = events[count].t;
+    std::size_t count = std::min(kBlock, events.size());
+    while (events[count - 1].t - last_us_ > kMostGap_us) --count;  // the first one goes on
+    for (std::size_t i = 0; i < count; ++i) {
+      shifted[i] = events[i];
+      shifted[i].t -= origin_us_;
     }
+    last_us_ = events[count - 1].t;
     events = events.subspan(count);
     for (EventSpan block = EventSpan(shifted).first(count); !block.empty();) {
       const Progress done = evt3_.encode(block, encoded);
