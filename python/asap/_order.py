@@ -10,7 +10,7 @@ import numpy as np
 from asap.events import EVENT_DTYPE, Events
 
 NEW_EPOCH_US = 1_000_000  # so far back is another clock
-_MOST_FAR = 1024  # events in a row that are so far back: the clock was set back
+_MAX_FAR = 1024  # events in a row that are so far back: the clock was set back
 
 
 def sorted_within(
@@ -31,7 +31,7 @@ def sorted_within(
         before[:waits] = t[:waits]  # they are in order
         late_us = before - t
         far = late_us > tolerance_us
-        if len(chunk) > _MOST_FAR and bool((late_us[-_MOST_FAR:] >= NEW_EPOCH_US).all()):
+        if len(chunk) > _MAX_FAR and bool((late_us[-_MAX_FAR:] >= NEW_EPOCH_US).all()):
             yield from (part for part in (held, chunk) if len(part))
             held, newest = block[:0], None
             continue

@@ -17,7 +17,7 @@ from asap.io import read
 from asap.io.writers import Growing
 
 _GROWING = ("npy", "csv", "es", "evt3", "aedat4")  # can be read while they are written
-_MOST_PACKETS = 1000  # waiting for the disk
+_MAX_PACKETS = 1000  # waiting for the disk
 _PIECE = 1 << 12  # events: the most that a full disk takes of what it could hold
 
 
@@ -40,7 +40,7 @@ class Recorder:
         self._written = self._end = self._refused = self._lost = 0
         self._error: Exception | None = None
         self._door = _core.Validator(width=width, height=height, on_bad="drop")
-        self._queue: queue.Queue[Any] = queue.Queue(_MOST_PACKETS)
+        self._queue: queue.Queue[Any] = queue.Queue(_MAX_PACKETS)
         self._thread = threading.Thread(target=self._write, name=f"asap writes {path.name}")
         self._thread.start()
 

@@ -29,7 +29,7 @@ _FINE_EXPONENTS = {"ns": -3, "ps": -6, "fs": -9, "as": -12}  # units of datetime
 MAX = 2**63 - 1  # us
 HEAD = 1001  # events whose steps say something
 _SOME = 100  # stamps that tell a unit
-_MOST_PER_US = 100  # more than any camera sends
+_MAX_PER_US = 100  # more than any camera sends
 _LONG_US = 10_000  # between events of a camera
 _REMEDIES = {
     "t": "no time in 64-bit us; check time_unit",
@@ -83,7 +83,7 @@ def doubt_of_unit(t: Column) -> str | None:
     if len(t) < HEAD or t.dtype.kind not in "iu":
         return None
     span_us = int(t[-1]) - int(t[0])
-    is_dense, is_sparse = len(t) > _MOST_PER_US * (span_us + 1), span_us > _LONG_US * len(t)
+    is_dense, is_sparse = len(t) > _MAX_PER_US * (span_us + 1), span_us > _LONG_US * len(t)
     if span_us < 0 or not (is_dense or is_sparse):  # one that is not sorted tells nothing
         return None
     doubt = unit_doubt("us", len(t), span_us, np.diff(t[:HEAD]))
@@ -101,7 +101,7 @@ def unit_doubt(
     if unit is None or count < HEAD:
         return None
     step_us = float(np.median(steps_us)) if len(steps_us) else 0.0
-    if unit == "us" and count > _MOST_PER_US * (span_us + 1):
+    if unit == "us" and count > _MAX_PER_US * (span_us + 1):
         words = f"{count} events within {span_us} us, which is short for a camera"
     elif step_us > _LONG_US:
         words = f"the times step by {_units.duration(step_us)}, which is long for a camera"

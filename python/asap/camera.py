@@ -33,7 +33,7 @@ __all__ += ["cameras", "open_camera"]
 
 _WAIT_S = 0.1  # the longest that a silent camera keeps its thread
 _STEP_US = 1000  # events of a packet that came within it are of one age
-_MOST_STEPS = 64  # packets that a driver merges
+_MAX_STEPS = 64  # packets that a driver merges
 _OLDEST_S = 60.0  # limit on a packet's age, since the wall clock may have been set
 _UNPLUGGED = "it was unplugged; plug it in and open it again"
 # neuromorphic-drivers raises only RuntimeError; its words tell the cause.
@@ -378,7 +378,7 @@ def _by_arrival(packet: Packet) -> Iterator[tuple[Any, float]]:
         yield events, begin_s
         return
     t = events["t"]
-    step_us = max(_STEP_US, age_us // _MOST_STEPS)
+    step_us = max(_STEP_US, age_us // _MAX_STEPS)
     since_us = np.clip((t - t[0]).astype(np.int64), 0, age_us)
     steps = np.maximum.accumulate(since_us // step_us)
     for begin, end in pairwise([0, *(np.flatnonzero(np.diff(steps)) + 1).tolist(), len(t)]):

@@ -28,7 +28,7 @@ __all__ = ["EVERY_S", "Screen", "Tail", "follow", "need_terminal", "newest", "sh
 
 EVERY_S = 0.5
 _SLOT_US = 500_000  # a column of the curves
-_MOST_SLOTS = 400
+_MAX_SLOTS = 400
 _SILENT_S = 2.0
 _TAIL = 1 << 20  # bytes of a file that are read at the beginning
 _LEFT = 31  # columns for the words
@@ -49,7 +49,7 @@ class Screen:
 
     def __init__(self, title: str) -> None:
         self._title = title
-        self._slots: deque[dict[str, float]] = deque(maxlen=_MOST_SLOTS)
+        self._slots: deque[dict[str, float]] = deque(maxlen=_MAX_SLOTS)
         self._number, self._rows = 0, np.empty(0, TELEMETRY_DTYPE)  # of the newest slot
         self._lost = 0.0  # before it
         self._last_s = time.monotonic()
@@ -67,7 +67,7 @@ class Screen:
             rows = np.concatenate([self._rows, rows])
         else:
             silent = number - self._number - 1 if self._slots else 0
-            self._slots.extend([summed(rows[:0], 0.0)] * min(silent, _MOST_SLOTS))
+            self._slots.extend([summed(rows[:0], 0.0)] * min(silent, _MAX_SLOTS))
             self._lost = lost(self._rows[-1] if self._slots else rows[0])
         self._number, self._rows = number, rows
         self._slots.append(summed(rows, self._lost))

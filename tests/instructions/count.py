@@ -21,7 +21,7 @@ from pathlib import Path
 
 FOLDER = Path(__file__).resolve().parent
 EVENTS = 100_000
-MOST_RISE = 1.02
+MAX_RISE = 1.02
 
 WHAT = ("keep", "thin", "deadline")
 STAGES = {
@@ -32,7 +32,7 @@ STAGES = {
 DECISION = ("asap::*::LearningScheme::decide*", "asap::*::LearningScheme::observe*")
 # Instructions by the number of events that come at once, by any compiler. The aim is 2000 for all;
 # in overload, 40,000, Deadline plays its plans forward.
-MOST_PER_DECISION = {10: 2000, 1000: 2000, 10_000: 2000, 40_000: 2900}
+MAX_PER_DECISION = {10: 2000, 1000: 2000, 10_000: 2000, 40_000: 2900}
 # glibc copies by `rep movsb` from some length on, which callgrind counts once per byte.
 ENVIRONMENT = {"GLIBC_TUNABLES": "glibc.cpu.x86_rep_movsb_threshold=100000000"}
 
@@ -92,7 +92,7 @@ def risen(now: Figures, before: Figures) -> list[str]:
     return [
         f"{name}: {before[name]} -> {figure} instructions per event"
         for name, figure in now.items()
-        if figure > MOST_RISE * before.get(name, float("inf"))
+        if figure > MAX_RISE * before.get(name, float("inf"))
     ]
 
 
@@ -112,7 +112,7 @@ def main(words: list[str]) -> int:
         print("valgrind is missing: apt-get install -y valgrind", file=sys.stderr)
         return 2
     program = given.program.resolve()
-    decisions = {backlog: per_decision(program, backlog) for backlog in MOST_PER_DECISION}
+    decisions = {backlog: per_decision(program, backlog) for backlog in MAX_PER_DECISION}
     for backlog, figure in decisions.items():
         print(f"{figure:8.0f} instructions to decide and to observe, pushes of {backlog} events")
     figures, file = count(program), file_of(program)
@@ -124,7 +124,7 @@ def main(words: list[str]) -> int:
         file.write_text(json.dumps({"reason": given.write, **figures}, indent=2) + "\n")
     worse = [
         f"{figure:.0f} instructions to decide and to observe: at most {most}"
-        for figure, most in zip(decisions.values(), MOST_PER_DECISION.values(), strict=True)
+        for figure, most in zip(decisions.values(), MAX_PER_DECISION.values(), strict=True)
         if figure > most
     ]
     if file.is_file():

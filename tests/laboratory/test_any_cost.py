@@ -17,7 +17,7 @@ import asap
 from asap_laboratory import profiles
 
 LONG = bool(os.environ.get("ASAP_LONG_TESTS"))
-MOST_EVENTS = 4e6 if LONG else 1e6
+MAX_EVENTS = 4e6 if LONG else 1e6
 SHAPES = ("constant", "square", "on and off", "ramp", "spikes", "sine", "walk")
 
 
@@ -36,8 +36,8 @@ def draw(seed):
     alpha_us = latency_ms * 1e3 * 10 ** random.uniform(-4, -1.3)
     beta_ns = 10 ** random.uniform(1, 4.3)
     low, high = 10 ** random.uniform(-2, 0.2), 10 ** random.uniform(0, 1)  # of the capacity
-    duration_s = max(20e-3 * latency_ms, min(1.0, MOST_EVENTS * beta_ns / 1e9 / high))
-    beta_ns = max(beta_ns, 1e9 * high * duration_s / MOST_EVENTS)
+    duration_s = max(20e-3 * latency_ms, min(1.0, MAX_EVENTS * beta_ns / 1e9 / high))
+    beta_ns = max(beta_ns, 1e9 * high * duration_s / MAX_EVENTS)
     shape = str(random.choice(SHAPES))
     period_s = 10 ** random.uniform(-3, -0.3)
     walk = np.exp(np.cumsum(random.normal(0, 0.1, 11_000)))

@@ -28,7 +28,7 @@ from corrupt import clean_events
 from event_files import WRITERS, recording
 from fuzzing import INTERESTING, damaged, effort
 
-MOST_MEMORY = 64 << 20  # bytes, for files of a few kilobytes
+MAX_MEMORY = 64 << 20  # bytes, for files of a few kilobytes
 OPTIONS = st.fixed_dictionaries(
     {},
     optional={
@@ -67,7 +67,7 @@ def check_load(path: Path, content: bytes, options: dict[str, Any]) -> None:
         if options.get("width") == 1 and path.suffix == ".npy":
             assert not events["x"].any()
     _, peak = tracemalloc.get_traced_memory()
-    assert peak - before < MOST_MEMORY
+    assert peak - before < MAX_MEMORY
 
 
 # ---- good files, damaged --------------------------------------------------------------------

@@ -15,7 +15,7 @@ from children import run_script
 from corrupt import clean_events
 
 COUNT = 6_000_000
-MOST_MEMORY_KB = 32 << 10
+MAX_MEMORY_KB = 32 << 10
 TYPES = {"t": "i8", "x": "u2", "y": "u2", "p": "u1"}
 
 
@@ -49,7 +49,7 @@ def aedat4(path: Path, events: Events) -> None:
 def test_resident_memory_is_flat(tmp_path: Path, write: Callable[[Path, Events], None]) -> None:
     path = tmp_path / f"a.{write.__name__.partition('_')[0]}"
     write(path, clean_events(COUNT))
-    assert path.stat().st_size > 2 * 1024 * MOST_MEMORY_KB
+    assert path.stat().st_size > 2 * 1024 * MAX_MEMORY_KB
     child = run_script(f"""
         import resource
         def resident_kb():
@@ -63,4 +63,4 @@ def test_resident_memory_is_flat(tmp_path: Path, write: Callable[[Path, Events],
     """)
     count, grown_kb = map(int, child.lines[-1].split())
     assert count == COUNT
-    assert grown_kb < MOST_MEMORY_KB
+    assert grown_kb < MAX_MEMORY_KB

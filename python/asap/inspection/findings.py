@@ -26,7 +26,7 @@ WRONG_GAP_US = 1_000_000  # so far ahead is as odd as so far back, which is a cl
 NOISE = 0.5  # without a neighbour; sound recordings have up to 0.45
 ALL_NOISE = 0.9  # of the share that events at random would have; sound recordings have up to 0.7
 WRONG_HOT = 0.1
-MOST_LATE = 4  # late events per one that a run drops: of two packets that changed places
+MAX_LATE = 4  # late events per one that a run drops: of two packets that changed places
 ENOUGH = 100  # events, to expect both polarities
 
 _COUNTER_BITS = (23, 24, 30, 31, 32)  # counters of cameras and formats, in us
@@ -140,7 +140,7 @@ def _out_of_bounds(raw: RawSource, door: Door, pixels: PixelMap) -> Finding:
 
 def _is_disorder(door: Door) -> bool:
     """Whether events are out of place; else few stamps are wrong, and many look late for them."""
-    return door.late <= MOST_LATE * door.back_steps.count
+    return door.late <= MAX_LATE * door.back_steps.count
 
 
 def _disorder_words(door: Door) -> str:

@@ -21,7 +21,7 @@ from asap.io.errors import HARMLESS, MAX_RATIO, CorruptFile, foreign, library
 from asap.io.reader import CHUNK, Losses, Options, choose_stream, expected_of, sensor_size
 
 MAGIC = b"#!AER-DAT4.0\r\n"
-MOST_PIXELS = 1 << 15  # a side has at most so many
+MAX_PIXELS = 1 << 15  # a side has at most so many
 _HEADER_AT = len(MAGIC)
 _USUAL_RATIO = 8  # for events; MAX_RATIO is for anything
 EVENT = np.dtype(

@@ -48,8 +48,8 @@ h5py = library("h5py", "HDF5", "hdf5")
 _FEW = 16  # values, where a size is stated
 _STEP = 4 * CHUNK  # events that are read at once: calls of h5py are dear
 _SIGNATURE = b"\x89HDF\r\n\x1a\n"
-_MOST_OBJECTS = 10_000
-_MOST_BYTES = 1024  # one record has at most so many
+_MAX_OBJECTS = 10_000
+_MAX_BYTES = 1024  # one record has at most so many
 _ECF = 0x8ECF
 
 
@@ -271,7 +271,7 @@ def _usable(path: Path, dataset: Any) -> None:
         raise UnsupportedFormat(
             f"{path}: {dataset.name} lies in another file, which is never followed"
         )
-    if dataset.dtype.hasobject or dataset.dtype.itemsize > _MOST_BYTES:
+    if dataset.dtype.hasobject or dataset.dtype.itemsize > _MAX_BYTES:
         raise UnsupportedFormat(f"{path}: {dataset.name} holds {dataset.dtype}, no events")
     stored = dataset.id.get_storage_size()
     if dataset.size > 1 and not stored and not is_virtual:
@@ -317,8 +317,8 @@ def _groups(path: Path, file: Any, links: list[str]) -> Iterator[tuple[Any, str,
         datasets: dict[str, Any] = {}
         for key in sorted(group, reverse=True):
             objects += 1
-            if objects > _MOST_OBJECTS:
-                raise UnsupportedFormat(f"{path}: more than {_MOST_OBJECTS} objects")
+            if objects > _MAX_OBJECTS:
+                raise UnsupportedFormat(f"{path}: more than {_MAX_OBJECTS} objects")
             inner = f"{name}/{key}".lstrip("/")
             if not isinstance(group.get(key, getlink=True), h5py.HardLink):
                 links.append(inner)

@@ -22,8 +22,8 @@ from asap.io.errors import CorruptFile, LossWarning, TruncatedFileWarning
 CHUNK = 1 << 16  # events that a reader hands on at once, about
 #: What names state the size of the sensor.
 SIZE = re.compile("(?:sensor_|image_|img_)?(width|height|resolution|geometry|size)", re.IGNORECASE)
-_MOST_EXPECTED = 1 << 28
-_MOST_TRIGGERS = 1 << 20  # kept for `Recording.triggers`; the others are counted
+_MAX_EXPECTED = 1 << 28
+_MAX_TRIGGERS = 1 << 20  # kept for `Recording.triggers`; the others are counted
 
 
 @dataclass(frozen=True)
@@ -145,7 +145,7 @@ class Losses:
         if decoder.triggers > self.triggers:
             self.triggers = decoder.triggers
             seen = decoder.take_triggers()
-            if sum(map(len, self.trigger_arrays)) < _MOST_TRIGGERS:
+            if sum(map(len, self.trigger_arrays)) < _MAX_TRIGGERS:
                 self.trigger_arrays.append(seen)
 
     def truncated(self, offset: int, fault: str) -> None:
@@ -221,7 +221,7 @@ class Reader(Protocol):
 
 def expected_of(path: Path, bytes_per_event: int) -> int:
     """About how many events a file has; memory that none of them takes costs nothing."""
-    return min(path.stat().st_size // bytes_per_event, _MOST_EXPECTED)
+    return min(path.stat().st_size // bytes_per_event, _MAX_EXPECTED)
 
 
 def sensor_size(width: Any = None, height: Any = None) -> tuple[int | None, int | None]:

@@ -46,7 +46,7 @@ _DECODERS = {
     "libcaer_cmp": "LibcaerCmpDecoder",
     "mono": "MonoDecoder",
 }
-_MOST_PX = 0xFFFF
+_MAX_PX = 0xFFFF
 
 
 class RosReader:
@@ -64,8 +64,8 @@ class RosReader:
         self._cdr = self._topic not in getattr(self._bag, "ros1", ()) and kind != "rosbag1"
         self._read = read_packet if types[self._topic] in PACKETS else read_array
         self._first = first = self._first_message(self._bag)
-        self.width = first.width if first and 0 < first.width <= _MOST_PX else None
-        self.height = first.height if first and 0 < first.height <= _MOST_PX else None
+        self.width = first.width if first and 0 < first.width <= _MAX_PX else None
+        self.height = first.height if first and 0 < first.height <= _MAX_PX else None
         if first and self._read is read_packet and first.encoding not in _DECODERS:
             raise UnsupportedFormat(
                 f"{path}: {self._topic} is encoded in {first.encoding!r}; what is read: "

@@ -29,7 +29,7 @@ from asap.io.errors import CorruptFile, unclear_unit
 from asap.io.reader import Losses, Options
 
 _HEAD = 1 << 14
-_MOST = 1 << 24  # bytes of comments before the first line
+_MAX = 1 << 24  # bytes of comments before the first line
 _PIECE = 1 << 18
 _SHORTEST = 6  # bytes of a line with three numbers
 _NUMBER = re.compile(rb"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
@@ -140,7 +140,7 @@ class TextReader:
 def _front(file: IO[bytes]) -> bytes:
     """Read the comments that come first, however long they are, and whole lines that follow."""
     lines, size = [], 0
-    while size < _MOST and (line := file.readline(_MOST)):
+    while size < _MAX and (line := file.readline(_MAX)):
         lines.append(line)
         size += len(line)
         if line.strip() and line.lstrip()[:1] not in b"#%":

@@ -26,7 +26,7 @@ from numpy.lib import format as npy
 from asap import _core
 from asap._checks import named
 from asap.events import EVENT_DTYPE, Events
-from asap.io.aedat4 import EVENT, MAGIC, MOST_PIXELS
+from asap.io.aedat4 import EVENT, MAGIC, MAX_PIXELS
 from asap.io.errors import library
 from asap.io.reader import CHUNK
 
@@ -157,7 +157,7 @@ def write_encoded(
 
 
 _EXT_TRIGGER = 0xA000
-_MOST_ID = 15
+_MAX_ID = 15
 
 
 def write_evt3(
@@ -181,8 +181,8 @@ def write_evt3(
         event = np.zeros(1, EVENT_DTYPE)
         event["t"] = max(int(trigger["t"]), last_us)
         number = int(trigger["id"])
-        if number > _MOST_ID:
-            raise ValueError(named("id", number, f"EVT3 holds triggers of inputs 0 to {_MOST_ID}"))
+        if number > _MAX_ID:
+            raise ValueError(named("id", number, f"EVT3 holds triggers of inputs 0 to {_MAX_ID}"))
         word = _EXT_TRIGGER | number << 8 | int(trigger["value"])
         return b"".join(map(bytes, encoded.pieces(event)))[:-2] + struct.pack("<H", word)
 
@@ -228,8 +228,8 @@ _OUT_INFO = """<dv version="2.0"><node name="outInfo" path="/mainloop/Recorder/o
 def write_aedat4(file: IO[bytes], chunks: Iterable[Events], width: int, height: int) -> int:
     """Write one stream of events."""
     for name, side in (("width", width), ("height", height)):
-        if not 0 < side <= MOST_PIXELS:
-            remedy = f"AEDAT 4 states its sensor: give its size, 1 to {MOST_PIXELS} px"
+        if not 0 < side <= MAX_PIXELS:
+            remedy = f"AEDAT 4 states its sensor: give its size, 1 to {MAX_PIXELS} px"
             raise ValueError(named(name, side, remedy))
     lz4 = library("lz4.frame", "AEDAT4", "aedat4")
     text = _OUT_INFO.format(width=width, height=height).encode()

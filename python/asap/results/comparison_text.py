@@ -14,7 +14,7 @@ from asap.results.run_text import LONG_GAP, sensor
 _WIDE = 100
 _ALL = 0.9995  # times the oracle, likewise
 _SHORT = 10.0  # latency bounds
-_MOST_NAMES = 5
+_MAX_NAMES = 5
 _READ = (
     "Read score and p99/L together: a scheme that discards most events has a low latency, and one "
     "that keeps all of them may process them too late."
@@ -192,8 +192,8 @@ def _ratio(value: float) -> str:
 
 
 def _listed(names: Sequence[str]) -> str:
-    if len(names) > _MOST_NAMES:
-        names = [*names[: _MOST_NAMES - 2], f"{len(names) - _MOST_NAMES + 2} others"]
+    if len(names) > _MAX_NAMES:
+        names = [*names[: _MAX_NAMES - 2], f"{len(names) - _MAX_NAMES + 2} others"]
     return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
 
 

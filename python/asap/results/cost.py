@@ -13,7 +13,7 @@ from asap import _checks
 Floats = NDArray[np.float64]
 
 BOUND_KEPT = 1.01  # times the bound
-LEAST_BOUND = 2.5  # fixed costs
+MIN_BOUND = 2.5  # fixed costs
 RATE_SHARE = 0.9  # of what a cost can do within the bound: the rate bound that keeps a queue short
 
 _FITTED = 8192  # packages; of more, so many are drawn at random
@@ -67,7 +67,7 @@ class Cost:
         """
         if self.one_size is not None:
             return 2 * (self.alpha_us / self.one_size + self.beta_ns / 1e3)
-        return max(LEAST_BOUND * self.alpha_us, 2 * (self.alpha_us + self.beta_ns / 1e3))
+        return max(MIN_BOUND * self.alpha_us, 2 * (self.alpha_us + self.beta_ns / 1e3))
 
 
 def fit(packages: NDArray[np.void], learned: Cost | None, execution: str) -> Cost:

@@ -9,7 +9,7 @@ from typing import Any
 
 from asap import _units
 from asap.results import html
-from asap.results.cost import LEAST_BOUND, Cost
+from asap.results.cost import MIN_BOUND, Cost
 from asap.results.numbers import Diagnosis, Pauses, diagnose
 from asap.results.run import Run
 
@@ -275,10 +275,10 @@ def _impossible(run: Run, cost: Cost) -> str:
     bound_us = run.latency_bound_us
     p99, most = (f"{us / bound_us:.3g}" for us in (run.latency.quantile(0.99), run.latency.max))
     least_us = cost.least_bound_us
-    if least_us > LEAST_BOUND * cost.alpha_us:
+    if least_us > MIN_BOUND * cost.alpha_us:
         cheaper = f"an algorithm that processes a single event in {_units.duration(bound_us / 2)}"
     else:
-        cheaper = f"a fixed cost of {_units.duration(bound_us / LEAST_BOUND)}"
+        cheaper = f"a fixed cost of {_units.duration(bound_us / MIN_BOUND)}"
     return (
         f"No scheme can keep a bound of {_units.duration(bound_us)} at this cost: latency was "
         f"{p99} (p99) and {most} (max) times as long. "

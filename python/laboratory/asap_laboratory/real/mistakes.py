@@ -11,8 +11,8 @@ import numpy as np
 from asap_laboratory.rivals.recordings import Followed
 from asap_laboratory.scoring.boxes import PADDING_PX, BoxMatch
 
-_MOST_IDS = 6  # false ids that are named
-_MOST_SPANS = 3  # of an object's misses that are named
+_MAX_IDS = 6  # false ids that are named
+_MAX_SPANS = 3  # of an object's misses that are named
 
 
 class Span(NamedTuple):
@@ -54,8 +54,8 @@ def _misses(followed: Followed) -> Iterator[str]:
                 missed[label].append(index)
     for label in sorted(missed, key=lambda label: -len(missed[label])):
         longest = sorted(spans(missed[label]), key=lambda span: -span.size)
-        when = ", ".join(_when(followed, span) for span in sorted(longest[:_MOST_SPANS]))
-        more = " and shorter gaps" if len(longest) > _MOST_SPANS else ""
+        when = ", ".join(_when(followed, span) for span in sorted(longest[:_MAX_SPANS]))
+        more = " and shorter gaps" if len(longest) > _MAX_SPANS else ""
         often = f"at {len(missed[label])} of {life[label]} times"
         yield f"object {label} is missed {often}, {when}{more}"
 
@@ -79,14 +79,14 @@ def _false(followed: Followed) -> Iterator[str]:
         for row in one.false:
             seen[int(one.found.ids[row])].append((index, row))
     often = sorted(seen, key=lambda id: -len(seen[id]))
-    for id in often[:_MOST_IDS]:
+    for id in often[:_MAX_IDS]:
         first, last = seen[id][0][0], seen[id][-1][0]
         places = [followed.matches[index].found.positions[row] for index, row in seen[id]]
         x, y = np.median(places, axis=0)
         where = _where([_box_around(followed.matches[index], row) for index, row in seen[id]])
         when = f"{_times(len(seen[id]))}, {_when(followed, Span(first, last))}"
         yield f"id {id} is false at {when}, near ({x:.0f}, {y:.0f}): {where}"
-    if rest := often[_MOST_IDS:]:
+    if rest := often[_MAX_IDS:]:
         times = _times(sum(len(seen[id]) for id in rest))
         yield f"{len(rest)} more id{'s are' if len(rest) > 1 else ' is'} false, at {times}"
 

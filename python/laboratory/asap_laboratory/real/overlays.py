@@ -19,7 +19,7 @@ from asap_laboratory.real.mistakes import Span, mistakes, spans
 from asap_laboratory.real.pictures import STYLE, hue, overlay
 from asap_laboratory.rivals.recordings import CELLS, HEAD, Followed
 
-_MOST_PICTURES = 12  # of each recording
+_MAX_PICTURES = 12  # of each recording
 
 _STYLE = (
     STYLE
@@ -91,7 +91,7 @@ def _article(followed: Followed) -> pages.Article:
 
 
 def _figures(followed: Followed) -> Iterator[str]:
-    shown = np.linspace(0, len(followed.matches) - 1, _MOST_PICTURES).round().astype(int)
+    shown = np.linspace(0, len(followed.matches) - 1, _MAX_PICTURES).round().astype(int)
     for index in sorted(set(shown.tolist())):
         words = _caption(followed, index)
         drawn = overlay(followed, index, escape(f"{followed.scene.name}, {words}"))

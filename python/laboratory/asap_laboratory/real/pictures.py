@@ -17,8 +17,8 @@ from asap_laboratory.rivals.recordings import Followed
 WINDOW_US = 30_000  # of the events that are shown
 _TAIL_S = 0.15
 _SIGMAS = 1.5  # of the outlines
-_LEAST_SIGMA_PX = 0.5
-_MOST_PX = 400  # along the longer side of the image of the events
+_MIN_SIGMA_PX = 0.5
+_MAX_PX = 400  # along the longer side of the image of the events
 _GREY = (128, 134, 140)  # on the light and on the dark card
 
 STYLE = """
@@ -63,7 +63,7 @@ def _events(followed: Followed, index: int) -> str:
     t_us = int(followed.matches[index].frame["t_us"][0])
     first, end = np.searchsorted(scene.events["t"], [t_us - WINDOW_US, t_us])
     shown = scene.events[first:end]
-    step = math.ceil(max(scene.width, scene.height) / _MOST_PX)
+    step = math.ceil(max(scene.width, scene.height) / _MAX_PX)
     pixels = np.zeros((-(-scene.height // step), -(-scene.width // step)), np.uint8)
     pixels[shown["y"] // step, shown["x"] // step] = 1
     width, height = pixels.shape[1] * step, pixels.shape[0] * step
@@ -143,6 +143,6 @@ def _axes(cluster: np.void) -> tuple[float, float, float]:
     fields = ("x", "y", "cxx", "cxy", "cyy")
     outline = _core.outline_of(*(float(np.nan_to_num(cluster[field])) for field in fields))
     long_px, short_px = (
-        _SIGMAS * max(float(outline[axis]) / 2, _LEAST_SIGMA_PX) for axis in ("major", "minor")
+        _SIGMAS * max(float(outline[axis]) / 2, _MIN_SIGMA_PX) for axis in ("major", "minor")
     )
     return long_px, short_px, math.degrees(outline["angle"])

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from asap import _core
 
 _ROUNDS = 5
-_LEAST_EVENTS = 5  # of a track whose velocity counts
-_LEAST_TRACKS = 12
+_MIN_EVENTS = 5  # of a track whose velocity counts
+_MIN_TRACKS = 12
 
 
 class CornerMotion:
@@ -35,8 +35,8 @@ class CornerMotion:
     def movers(self) -> tuple[NDArray[np.void], NDArray[np.bool_]]:
         """Return the tracks with a velocity, and which of them move on their own."""
         tracks = self._tracker.tracks
-        tracks = tracks[(tracks["size"] >= _LEAST_EVENTS) & (tracks["vx"] != 0)]
-        if tracks.size < _LEAST_TRACKS:
+        tracks = tracks[(tracks["size"] >= _MIN_EVENTS) & (tracks["vx"] != 0)]
+        if tracks.size < _MIN_TRACKS:
             return tracks, np.zeros(tracks.size, bool)
         residual = self._residual(tracks)
         within = np.ones(tracks.size, bool)

@@ -18,7 +18,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine  # isort: skip
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-_LEAST = -1.0  # MOTA: what is below stands at the edge
+_MIN = -1.0  # MOTA: what is below stands at the edge
 _LOOKS: dict[str, tuple[str, str, bool]] = {  # colour, marker, filled
     "frames 10 ms": (plots.AMBER, "s", True),
     "frames 20 ms": (plots.VERMILION, "s", True),
@@ -55,7 +55,7 @@ def draw(scenes: Rows, recordings: Rows) -> plots.NotebookFigure:
             }
             _dots(accuracy, [line.get(label, {}).get("mota") for line in lines.values()], look)
             _dots(cost, [line.get(label, {}).get("ns_per_event") for line in lines.values()], look)
-        accuracy.set(title="MOTA", xlim=(_LEAST, 1.0), ylim=(len(lines) - 0.5, -0.5))
+        accuracy.set(title="MOTA", xlim=(_MIN, 1.0), ylim=(len(lines) - 0.5, -0.5))
         accuracy.set_xticks((-1, -0.5, 0, 0.5, 1), ("≤ -1", "-.5", "0", ".5", "1"))
         accuracy.set_yticks(range(len(lines)), list(lines))
         cost.set(title="ns per event", xscale="log")
@@ -74,5 +74,5 @@ def draw(scenes: Rows, recordings: Rows) -> plots.NotebookFigure:
 def _dots(axes: Axes, values: Sequence[float | None], look: dict[str, Any]) -> None:
     known = [(value, place) for place, value in enumerate(values) if value is not None]
     if known:
-        x = [max(value, _LEAST) for value, _ in known]
+        x = [max(value, _MIN) for value, _ in known]
         axes.plot(x, [place for _, place in known], **look)

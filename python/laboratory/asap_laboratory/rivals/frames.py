@@ -32,7 +32,7 @@ _TRACK_DTYPE = np.dtype(
 
 # Chosen on seed 0 of the scenes A, C, D, E, H bars, I and J, one after the other.
 _CELL_PX = 6  # cells with a pixel that touch are one component
-_LEAST_PX = 20  # of a component
+_MIN_PX = 20  # of a component
 _CONFIRM = 4  # images in which a track has been seen, before it is told
 _MISSES = 4  # images in a row without it that end a track
 _MEASUREMENT_PX = 6.0  # error of a component's centre
@@ -164,7 +164,7 @@ def components(pixels: NDArray[np.uint8], neighbours: int) -> NDArray[np.float64
     parts, count = ndimage.label(cells, structure=np.ones((3, 3)))
     part = parts[y // _CELL_PX, x // _CELL_PX] - 1
     centres = np.stack([_middles(x, part, count), _middles(y, part, count)], axis=-1)
-    return centres[np.bincount(part, minlength=count) >= _LEAST_PX]
+    return centres[np.bincount(part, minlength=count) >= _MIN_PX]
 
 
 def _middles(values: NDArray[np.int64], part: NDArray[np.int64], count: int) -> NDArray[np.float64]:
