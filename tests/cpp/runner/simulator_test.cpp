@@ -6,10 +6,12 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "asap/schemes/asap2020.hpp"
+#include "asap/schemes/asap2022.hpp"
 #include "asap/schemes/deadline.hpp"
 #include "asap/schemes/fixed.hpp"
 #include "asap/schemes/greedy.hpp"
@@ -161,6 +163,56 @@ TEST(Simulator, AgreesWithTheNaiveSimulatorRowByRow) {
           if (testing::Test::HasFailure()) return;
         }
       }
+    }
+  }
+}
+
+// A table of ages, a rate or a count of 32 bits that such a silence wraps would show in what comes
+// after it.
+TEST(Simulator, TenHoursWithLongSilencesChangeNothing) {
+  constexpr std::int64_t kMinute_us = 60'000'000;
+  const Events burst = evenly_spaced(2000, 20);
+  std::vector<MakeScheme> schemes = kSchemes;
+  schemes.erase(schemes.begin() + 5);  // its rate bound is so low that it thins, by chance
+  schemes.push_back([] { return std::make_unique<Deadline>(); });
+  schemes.push_back([] { return std::make_unique<Asap2022>(); });
+  for (std::size_t s = 0; s < schemes.size(); ++s) {
+    for (const double beta_ns : {300.0, 30'000.0}) {  // it keeps up; it does not
+      SCOPED_TRACE(testing::Message() << "scheme " << s << ", beta " << beta_ns);
+      const auto scheme = schemes[s]();
+      std::uint64_t delivered = 0;
+      Simulator simulator(*scheme, LinearCost({.alpha_us = 10, .beta_ns = beta_ns}), {},
+                          [&](EventSpan events) { delivered += events.size(); });
+      std::uint64_t fed = 0;
+      for (std::int64_t begin_us = kUnix_us; begin_us < kUnix_us + 10 * kHour_us;) {
+        for (const std::int64_t silence_us :
+             {kMinute_us / 60, 36 * kMinute_us, 72 * kMinute_us, 180 * kMinute_us}) {
+          Events events = burst;
+          for (Event& event : events) event.t += begin_us;
+          begin_us += 40'000 + silence_us;
+          simulator.feed(events);
+          fed += events.size();
+        }
+      }
+      simulator.finish();
+      const Ledger ledger = simulator.ledger();
+      EXPECT_TRUE(ledger.balanced());
+      EXPECT_EQ(ledger.received, fed);
+      EXPECT_EQ(ledger.delivered, delivered);
+      EXPECT_EQ(ledger.pending, 0u);
+      if (beta_ns > 300) continue;
+      std::vector<std::int64_t> in_time;  // events of each burst, by slot
+      const std::span<const Slot> slots = simulator.slots();
+      ASSERT_EQ(slots.size() % 40, 0u);
+      for (std::size_t i = 0; i < slots.size(); ++i) {
+        if (i % 40 == 0) in_time.push_back(0);
+        ASSERT_EQ(slots[i].delivered, slots[i].received);
+        if (slots[i].latency_max_ns <= 10'000'000) in_time.back() += slots[i].delivered;
+      }
+      in_time.erase(in_time.begin(), in_time.begin() + 2);  // in which a scheme learns
+      in_time.pop_back();                                   // which the end of the source flushes
+      EXPECT_GT(in_time.front(), 1000);
+      EXPECT_EQ(in_time, std::vector(in_time.size(), in_time.front()));
     }
   }
 }
