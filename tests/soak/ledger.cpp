@@ -1,6 +1,7 @@
-// Rounds of a quarter of a second, each with another ring, rule, scheme and algorithm, packets of
-// random size with bad events among them: what was sent and what came out, counted here, against
-// the ledger. Snapshots meanwhile must balance and never go back.
+// Rounds of a quarter of a second, each with another ring, rule, scheme and algorithm, pushes and
+// packages of 1 to 10^6 events with bad ones among them, and up to three runs of the pipeline: what
+// was sent and what came out, counted here, against the ledger. Snapshots meanwhile must balance
+// and never go back.
 #include <atomic>
 #include <memory>
 #include <thread>
@@ -22,11 +23,14 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr std::size_t kLargestPacket = 20'000;
+constexpr std::size_t kLargestPacket = 1'000'000;
 constexpr double kRoundSeconds = 0.25;
 
+// 1 to kLargestPacket, of any order of magnitude.
+std::size_t any_size(std::uint64_t bits) { return 1 + (bits >> 8) % (kLargestPacket >> bits % 20); }
+
 struct Totals {
-  std::uint64_t rounds = 0;
+  std::uint64_t runs = 0;
   std::uint64_t events = 0;
   std::uint64_t delivered = 0;
   std::uint64_t snapshots = 0;
@@ -39,7 +43,7 @@ std::unique_ptr<Scheme> any_scheme(std::uint64_t choice) {
     case 0:
       return std::make_unique<Deadline>(DeadlineConfig{.latency = 2ms});
     case 1:
-      return std::make_unique<FixedSize>(FixedSizeConfig{.size = 1 + choice / 5 % 5000});
+      return std::make_unique<FixedSize>(FixedSizeConfig{.size = any_size(choice / 5)});
     case 2:
       return std::make_unique<FixedTime>(FixedTimeConfig{.period = 1ms});
     case 3:
@@ -73,7 +77,7 @@ struct Sender {
     const CounterRandom random(seed);
     for (std::uint64_t i = 0;; ++i) {
       const std::uint64_t bits = random(i);
-      const std::size_t size = 1 + (bits >> 8) % (kLargestPacket >> bits % 14);
+      const std::size_t size = any_size(bits);
       const std::span<Event> events = camera.packet(size, static_cast<std::int64_t>(1 + size / 16));
       const bool spoil_place = bits >> 32 & 1;
       const bool spoil_time = (bits >> 34) % 4 == 0 && size > 1;
@@ -124,12 +128,9 @@ bool goes_on(const Ledger& before, const Ledger& now) {
          now.overflow >= before.overflow && now.delivered >= before.delivered;
 }
 
-void one_round(std::uint64_t seed, Totals& totals) {
+void one_run(Pipeline& pipeline, const RunConfig& config, Camera& camera, std::uint64_t seed,
+             double seconds, Totals& totals) {
   const CounterRandom random(seed);
-  const std::unique_ptr<Scheme> scheme = any_scheme(random(0));
-  const RunConfig config = any_config(random);
-  Pipeline pipeline(*scheme, config);
-  Camera camera(kLargestPacket, seed);
   Receiver receiver{.work = BusyWait({.alpha_us = 20, .beta_ns = 50}), .slow = random(5) % 2 == 0};
   Sender sender{.pipeline = pipeline, .camera = camera, .seed = random(6)};
   const bool drain = random(7) % 2 == 0;
@@ -137,7 +138,7 @@ void one_round(std::uint64_t seed, Totals& totals) {
   std::thread consumer([&] { pipeline.run([&](const Package& package) { receiver(package); }); });
   std::thread producer([&] { sender(); });
   Ledger last;
-  for (const auto start = Steady::now(); seconds_since(start) < kRoundSeconds;) {
+  for (const auto start = Steady::now(); seconds_since(start) < seconds;) {
     std::this_thread::sleep_for(std::chrono::microseconds(500));
     const Ledger now = pipeline.ledger();
     if (!goes_on(last, now)) ++totals.wrong;
@@ -167,18 +168,33 @@ void one_round(std::uint64_t seed, Totals& totals) {
               << ledger.stale << ", overflow " << ledger.overflow << ", delivered "
               << ledger.delivered << ", pending " << ledger.pending << '\n';
   }
-  ++totals.rounds;
+  ++totals.runs;
   totals.events += sender.sent;
   totals.delivered += receiver.seen;
   totals.allocations += sender.allocated + receiver.last_allocations - receiver.first_allocations;
 }
 
+void one_round(Camera& camera, std::uint64_t seed, Totals& totals) {
+  const CounterRandom random(seed);
+  const std::unique_ptr<Scheme> scheme = any_scheme(random(0));
+  const RunConfig config = any_config(random);
+  Pipeline pipeline(*scheme, config);
+  const std::uint64_t runs = 1 + random(8) % 3;
+  for (std::uint64_t run = 0; run < runs; ++run) {
+    if (run > 0) pipeline.start();
+    one_run(pipeline, config, camera, random(9 + run), kRoundSeconds / static_cast<double>(runs),
+            totals);
+  }
+}
+
 }  // namespace
 
 void ledger(double seconds, std::uint64_t seed) {
+  Camera camera(kLargestPacket, seed);
   Totals totals;
-  for (const auto start = Steady::now(); seconds_since(start) < seconds;) one_round(seed++, totals);
-  figure("ledger_rounds", totals.rounds);
+  for (const auto start = Steady::now(); seconds_since(start) < seconds;)
+    one_round(camera, seed++, totals);
+  figure("ledger_runs", totals.runs);
   figure("ledger_events", totals.events);
   figure("ledger_delivered", totals.delivered);
   figure("ledger_snapshots", totals.snapshots);
