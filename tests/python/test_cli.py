@@ -81,6 +81,26 @@ def test_wrong_use_exits_with_2_and_names_what_is_wrong(
     assert named in err
 
 
+@pytest.mark.parametrize(
+    ("arguments", "meant"),
+    [
+        ("rum flight.npy", "run"),
+        ("run flight.npy --latancy 5ms", "--latency"),
+        ("run flight.npy --scheme deadlin", "deadline"),
+        ("run flight.npy --algorithm cluster", "clusters"),
+        ("run flight.npy --algorithm my_algorithms:Detecter", "Detector"),
+        ("run flight.npy --algorithm my_algorithm:Detector", "my_algorithms"),
+    ],
+)
+def test_a_word_that_is_nearly_right_is_asked_for(
+    call: Call, flight: Path, arguments: str, meant: str
+) -> None:
+    Path("my_algorithms.py").write_text("class Detector: ...")
+    code, out, err = call(*arguments.split())
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert f"did you mean {meant}?" in err
+
+
 @pytest.mark.parametrize("verb", ["info", "run --cost 1us+1ns", "compare --cost 1us+1ns", "check"])
 def test_input_that_cannot_be_read_exits_with_3(call: Call, flight: Path, verb: str) -> None:
     Path("junk.raw").write_bytes(bytes(range(256)))

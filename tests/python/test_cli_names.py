@@ -116,7 +116,6 @@ def test_the_current_directory_comes_first(folder: Path) -> None:
 @pytest.mark.parametrize(
     ("spec", "code", "words"),
     [
-        ("pack.mine:Detectr", 2, "AttributeError: "),
         ("pack.mine:slow", 2, "TypeError: algorithm = "),
         ("pack.mine:Narrow", 2, "TypeError: "),
         ("broken:x", 2, '{folder}/broken.py", line 3, in <module>'),

@@ -18,7 +18,7 @@ from typing import Any, NoReturn
 
 import asap
 from asap.cli.options import EXAMPLES
-from asap.cli.outcome import INTERRUPTED, OK, USAGE, Ended, Failure, ended_by_signals, say
+from asap.cli.outcome import INTERRUPTED, OK, USAGE, Ended, Failure, ended_by_signals, near, say
 from asap.cli.verbs import VERBS
 
 __all__ = ["carry_out", "main"]
@@ -30,6 +30,10 @@ examples:
 exit codes: 0 ok, 1 a check failed, 2 usage, 3 input unreadable, corrupt or empty, 130 interrupted,
 143 and 129 by SIGTERM and SIGHUP, which end a run as Ctrl-C does: with its files
 """
+
+
+_WRONG = re.compile(r"invalid choice: '(.*?)' \(choose from (.*)\)|arguments: (\S+)")
+_WORD = re.compile(r"[\w.-]+")
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -86,10 +90,15 @@ class _Parser(argparse.ArgumentParser):
 
     def __init__(self, **options: Any) -> None:
         super().__init__(**options)
+        self.options: set[str] = set()  # of all verbs
         self._negative_number_matcher = re.compile(r"-\.?\d")
 
     def error(self, message: str) -> NoReturn:
-        self.exit(USAGE, f"{self.prog}: error: {message}; {self.prog} --help lists what there is\n")
+        if wrong := _WRONG.search(message):
+            choice, choices, option = wrong.groups()
+            message += near(choice or option, self.options if option else _WORD.findall(choices))
+        message += " " if message.endswith("?") else "; "
+        self.exit(USAGE, f"{self.prog}: error: {message}{self.prog} --help lists what there is\n")
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -103,5 +112,6 @@ def _parser() -> argparse.ArgumentParser:
     verbs = parser.add_subparsers(metavar="VERB", required=True)
     for add in VERBS:
         add(verbs)
+    parser.options.update(*(verb._option_string_actions for verb in verbs.choices.values()))
     parser.set_defaults(parser=parser)
     return parser

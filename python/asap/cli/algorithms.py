@@ -12,11 +12,12 @@ import traceback
 from collections.abc import Collection, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from operator import attrgetter
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import asap
 from asap import _checks, _core
-from asap.cli.outcome import CHECK_FAILED, USAGE, Failure
+from asap.cli.outcome import CHECK_FAILED, USAGE, Failure, near
 
 SCHEMES = {kind().name: kind for kind in _core.SCHEMES}
 ALGORITHMS = {kind.name: kind.__name__ for kind in _core.ALGORITHMS}
@@ -62,6 +63,7 @@ def chosen(text: str, known: Collection[str] = ALGORITHMS) -> Chosen:
     module, colon, inner = name.partition(":")
     if not (module and inner if colon else name in known):
         words = f"{text}: give one of {', '.join(sorted(known))}, or package.module:name"
+        words += near(name, list(known))
         raise argparse.ArgumentTypeError(words)
     return Chosen(name, dict(setting(one) for one in settings.split(",") if one), bool(colon))
 
@@ -143,14 +145,22 @@ def _imported(spec: str) -> Any:
     if not getattr(sys.flags, "safe_path", False) and sys.path[:1] not in ([here], [""]):
         sys.path.insert(0, here)  # stays: the module may import later
     try:
-        found = attrgetter(name)(importlib.import_module(module))
+        imported = importlib.import_module(module)
+        try:
+            found = attrgetter(name)(imported)
+        except AttributeError as error:
+            words = f"{module} has no {name}{near(name, vars(imported).keys())}"
+            raise Failure(USAGE, f"--algorithm {spec}: {words}") from error
         if not isinstance(found, type):
             _checks.worker("algorithm", found)
     except ModuleNotFoundError as error:
         if error.name is None or not f"{module}.".startswith(f"{error.name}."):
             raise _failed(USAGE, spec) from error  # of what the module imports
         words = f"there is no module {error.name} in {here} or on Python's path"
+        words += near(error.name, [file.stem for file in Path(here).glob("*.py")])
         raise Failure(USAGE, f"--algorithm {spec}: {words}") from error
+    except Failure:
+        raise
     except Exception as error:
         raise _failed(USAGE, spec) from error
     return found

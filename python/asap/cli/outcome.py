@@ -9,7 +9,7 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
@@ -95,8 +95,14 @@ def _first_file(arguments: Any) -> str:
 def near_file(path: Path) -> str:
     """Ask for the file of the nearest name in the same folder; "" if there is none."""
     files = [one.name for one in path.parent.iterdir()] if path.parent.is_dir() else []
-    near = difflib.get_close_matches(path.name, files, n=1)
-    return f"; did you mean {path.parent / near[0]}?" if near else ""
+    return near(path.name, {name: path.parent / name for name in files})
+
+
+def near(word: str, known: Iterable[str]) -> str:
+    """Ask for the nearest of these words; "" if there is none. A mapping says how it is shown."""
+    shown = known if isinstance(known, Mapping) else {one: one for one in known}
+    found = difflib.get_close_matches(word, shown, n=1)
+    return f"; did you mean {shown[found[0]]}?" if found else ""
 
 
 @contextmanager
