@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import struct
 import sys
 import warnings
@@ -209,6 +210,16 @@ def test_a_file_of_messages_that_are_packed_one_by_one(storage: str, tmp_path: P
     (file,) = (path for path in folder.iterdir() if path.suffix != ".yaml")
     for path in (folder, file):
         assert_equal_events(read_all(path)[0], EVENTS)
+
+
+@pytest.mark.parametrize("name", [b"#", b"a?b", b"%41", b"\xff"], ids=repr)
+@pytest.mark.parametrize("is_folder", [True, False])
+def test_a_folder_may_have_any_name(name: bytes, is_folder: bool, tmp_path: Path) -> None:
+    types, bag = Types("rosbag2"), tmp_path / "bag"
+    ros_bags.write_folder(bag, types, packets(types, EVENTS, 20), "sqlite3")
+    (tmp_path / os.fsdecode(name)).mkdir()
+    bag = bag.rename(tmp_path / os.fsdecode(name) / "bag")
+    assert_equal_events(asap.load(bag if is_folder else bag / "bag.db3"), EVENTS)
 
 
 def test_unrelated_bags_with_neighbouring_numbers_are_no_parts(tmp_path: Path) -> None:

@@ -327,7 +327,7 @@ class Bag(Protocol):
 
 def open_bag(kind: str, path: Path) -> Bag:
     """Open a bag of `kind`: ``"rosbag1"``, ``"rosbag2"`` (a file or a folder) or ``"mcap"``."""
-    by_parts = path.is_dir() and (not _has_metadata(path) or any(map(_logs, path.glob("*.db3"))))
+    by_parts = path.is_dir() and (not _has_metadata(path) or any(path.glob("*.db3")))
     if by_parts and (parts := parts_of(path)):
         return _Parts(parts)
     if kind == "mcap":
