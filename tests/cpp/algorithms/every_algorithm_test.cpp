@@ -309,13 +309,13 @@ struct Stream {
   std::vector<Event> events = test::wild_stream({.width = 16, .height = 12}, kEvents);
 };
 
-template <bool kHasGround>
+template <bool kHasGround, std::int64_t kDuration_us = 300'000>
 struct Scene {
   int width = 160;
   int height = 120;
   std::vector<Event> events = [] {
     MovingShapesConfig config{
-        .width = 160, .height = 120, .duration_us = 300'000, .noise_hz = 1, .seed = 7};
+        .width = 160, .height = 120, .duration_us = kDuration_us, .noise_hz = 1, .seed = 7};
     const Bounce path{.start = {30, 60}, .velocity = {250, 0}, .low = {20, 20}, .high = {140, 100}};
     config.shapes.push_back({.radius_px = 12, .motion = {.path = path}});
     if (kHasGround) config.ground = MovingGroundConfig{.shift_px_s = {-80, 50}};
@@ -332,7 +332,7 @@ struct Stream<FeatureTracker> {
   std::vector<Event> events = test::wild_stream({}, 2 * kEvents);
 };
 template <>
-struct Stream<MotionSegmenter> : Scene<true> {};
+struct Stream<MotionSegmenter> : Scene<true, 120'000> {};  // the dearest of all
 
 template <class Algorithm>
 void feed(Algorithm& algorithm, Seen& seen, EventSpan events) {
