@@ -140,7 +140,7 @@ def callback(field: str, value: Any) -> None:
 
 def is_camera(source: Any) -> bool:
     """Whether it feeds a pipeline by itself; `asap.camera` is above this module."""
-    return hasattr(type(source), "feed")
+    return hasattr(type(source), "_feed")
 
 
 def source(value: Any) -> None:

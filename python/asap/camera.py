@@ -157,7 +157,7 @@ class Camera:
         self._thread: threading.Thread | None = None
         self.pipeline: Pipeline | None = None
         self._dropped: int | None = 0  # the driver counts from the opening on, a pipeline adds up
-        self._packets = self._backlog = self._most_backlog = 0
+        self._packets = self._backlog = self._max_backlog = 0
         self._last_s = time.monotonic()
         try:
             size = device.properties()
@@ -200,7 +200,7 @@ class Camera:
         before = ring.dropped_packets if self._dropped is None else self._dropped
         lost = max(ring.dropped_packets - before, 0)  # a counter that goes back begins again
         self._dropped, self._last_s, self._backlog = ring.dropped_packets, now, ring.backlog
-        self._most_backlog = max(self._most_backlog, ring.backlog)
+        self._max_backlog = max(self._max_backlog, ring.backlog)
         self._packets += 1
         if events is None:  # something else came: frames, IMU
             events = np.empty(0, EVENT_DTYPE)
@@ -208,7 +208,7 @@ class Camera:
             self._recorder.put(events)
         return Packet(events, now - age_s, 0 if marks is None else len(marks), lost)
 
-    def feed(self, pipeline: Pipeline, duration_s: float | None = None) -> None:
+    def _feed(self, pipeline: Pipeline, duration_s: float | None = None) -> None:
         """Push from a thread until the camera ends or `duration_s` is over; then stop the pipeline.
 
         Events that waited before are left out. One camera feeds one pipeline at a time.
@@ -248,7 +248,7 @@ class Camera:
         self._check_free("run")
         return CameraRun(camera=self, **options).run_camera(on_progress)
 
-    def release(self) -> None:
+    def _release(self) -> None:
         """End the feed and wait for its thread; the camera stays open."""
         if self._thread is not None:
             self._leaving.set()
@@ -256,7 +256,7 @@ class Camera:
             self._thread = None
             self._leaving.clear()
 
-    def raise_error(self) -> None:
+    def _raise_error(self) -> None:
         """Raise what has ended the feed, once."""
         error, self._error = self._error, None
         if error is not None:
@@ -280,7 +280,7 @@ class Camera:
             "name": self.name,
             "serial": self.serial,
             "backlog": self._backlog,
-            "most_backlog": self._most_backlog,
+            "max_backlog": self._max_backlog,
             "packets": self._packets,
             "silent_s": time.monotonic() - self._last_s,
             "ended": self._state,
@@ -289,7 +289,7 @@ class Camera:
 
     def close(self) -> None:
         """End the feed, close the device and finish the recording."""
-        self.release()
+        self._release()
         with self._reading:
             self._state = "closed" if self._state == "open" else self._state
             self.device.close()
@@ -304,7 +304,7 @@ class Camera:
         self._is_cut = kind is not None and issubclass(kind, Exception)
         self.close()
         if kind is None:
-            self.raise_error()
+            self._raise_error()
 
     def __str__(self) -> str:
         return f"{self.name} {self.serial}"

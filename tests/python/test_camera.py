@@ -124,7 +124,7 @@ def test_an_error_that_no_loop_has_seen_is_raised_at_the_end(attach: Callable[..
     attach("events", UNPLUGGED)
     with pytest.raises(asap.CameraError, match="unplugged"), asap.open_camera() as camera:
         pipeline = asap.Pipeline(latency_ms=LONG_MS)
-        camera.feed(pipeline)
+        camera._feed(pipeline)
         assert events_in(pipeline) == PACKET
 
 
@@ -240,9 +240,9 @@ def test_one_camera_feeds_one_pipeline_at_a_time(attach: Callable[..., Driver]) 
         for _ in range(2):  # one after the other
             busy = pytest.raises(RuntimeError, match="feeds a pipeline already")
             with asap.Pipeline(camera=camera), busy:
-                camera.feed(asap.Pipeline())
+                camera._feed(asap.Pipeline())
     with pytest.raises(RuntimeError, match="closed"):
-        camera.feed(asap.Pipeline())
+        camera._feed(asap.Pipeline())
 
 
 def test_a_program_that_forgets_the_camera_ends() -> None:
@@ -251,7 +251,7 @@ def test_a_program_that_forgets_the_camera_ends() -> None:
         import fake_driver
         sys.modules["neuromorphic_drivers"] = fake_driver.Driver(("events",) * 10)
         camera = asap.open_camera()
-        camera.feed(asap.Pipeline())
+        camera._feed(asap.Pipeline())
         print("fed")
         """
     assert run_script(script, before=before).lines == ["fed"]

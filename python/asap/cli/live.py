@@ -110,7 +110,7 @@ def _shown(arguments: Any) -> Iterator[Any]:
 def _tell_failure(camera: asap.Camera) -> None:
     """Tell what its recording ended with, where the run ended with something else."""
     try:
-        camera.raise_error()
+        camera._raise_error()
     except asap.CameraError as error:
         say(f"error: {error}")
 

@@ -39,7 +39,7 @@ class CameraRun(Pipeline):
                 self._log.look(now=True)
         finally:
             run = keep(self._outcome(thread_held_s(held_s)))
-        self._camera.raise_error()
+        self._camera._raise_error()
         if run.ledger.received == 0:
             silent = f"{self._camera}: no event came; look at its lens cap, its biases, the scene"
             warnings.warn(silent, RuntimeWarning, stacklevel=4)

@@ -264,8 +264,8 @@ class Pipeline:
         if self._telemetry is not None:
             self._telemetry.close()
         if self._camera is not None:
-            self._camera.release()
-            self._camera.raise_error()
+            self._camera._release()
+            self._camera._raise_error()
 
     def _look_at_size(self) -> None:
         if self._small_is_known:
@@ -420,7 +420,7 @@ class Pipeline:
         """Start it, if it is stopped, and let its camera feed it."""
         self.start()
         if self._camera is not None:
-            self._camera.feed(self, self._duration_s)
+            self._camera._feed(self, self._duration_s)
             self._is_fed = True
         return self
 
@@ -432,7 +432,7 @@ class Pipeline:
     ) -> None:
         """Stop; what was not delivered stays pending in the ledger."""
         if self._camera is not None:
-            self._camera.release()  # first: the packet in its hand is counted
+            self._camera._release()  # first: the packet in its hand is counted
         self._native.abandon()
         if self._telemetry is not None:
             self._telemetry.close()
