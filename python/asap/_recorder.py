@@ -39,7 +39,7 @@ class Recorder:
         self._part = Path(str(self._file.name))
         self._written = self._end = self._refused = self._lost = 0
         self._error: Exception | None = None
-        self._door = _core.Validator(width=width, height=height, on_bad="drop")
+        self._validator = _core.Validator(width=width, height=height, on_bad="drop")
         self._queue: queue.Queue[Any] = queue.Queue(_MAX_PACKETS)
         self._thread = threading.Thread(target=self._write, name=f"asap writes {path.name}")
         self._thread.start()
@@ -64,7 +64,7 @@ class Recorder:
     def _good(self) -> Iterator[Events]:
         while (events := self._queue.get()) is not None:
             self._lost += len(events)
-            good = self._door.check(as_events(events))
+            good = self._validator.check(as_events(events))
             for begin in range(0, len(good) if self._error is None else 0, _PIECE):
                 piece = good[begin : begin + _PIECE]
                 yield piece  # the next is asked for when this one is in the file

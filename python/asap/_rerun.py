@@ -74,8 +74,8 @@ def shown(target: str) -> Iterator[Callable[..., None]]:
 
 
 def _open_window() -> None:
-    with socket.socket() as door:
-        if door.connect_ex(("127.0.0.1", PORT)) == 0:
+    with socket.socket() as listener:
+        if listener.connect_ex(("127.0.0.1", PORT)) == 0:
             return  # one is open
     command = [sys.executable, "-m", "rerun_cli", "--bind", "127.0.0.1", "--port", str(PORT)]
     subprocess.Popen([*command, "--hide-welcome-screen"])

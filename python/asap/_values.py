@@ -1,6 +1,6 @@
 """What the values of four columns may be, and how they become events: the last of three steps.
 
-`_columns` finds the columns before; `events` holds the door for users.
+`_columns` finds the columns before; `events` is what users call.
 """
 
 from __future__ import annotations

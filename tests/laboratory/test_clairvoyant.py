@@ -1,4 +1,4 @@
-"""exact_oracle: the door to the exact clairvoyant, which tests/cpp/study proves."""
+"""exact_oracle: the entry to the exact clairvoyant, which tests/cpp/study proves."""
 
 from __future__ import annotations
 

@@ -51,7 +51,7 @@ def low(**named: Any) -> Any:
     return profiles.Profile("low", **named)
 
 
-DOORS: list[tuple[Callable[..., Any], str, tuple[Any, ...]]] = [
+ENTRIES: list[tuple[Callable[..., Any], str, tuple[Any, ...]]] = [
     (scored, "gamma", NO_SHARES),
     (scored, "told", NO_FLAGS),
     (scored, "active", NO_NAMES),
@@ -92,7 +92,7 @@ DOORS: list[tuple[Callable[..., Any], str, tuple[Any, ...]]] = [
 ]
 
 
-@pytest.mark.parametrize(("call", "field", "values"), DOORS)
+@pytest.mark.parametrize(("call", "field", "values"), ENTRIES)
 def test_a_value_that_does_not_fit_is_refused_by_its_field(
     call: Callable[..., Any],
     field: str,

@@ -81,7 +81,7 @@ def from_file(kind: str, events: Events, folder: Path, **options: Any) -> Passed
 FILES = {f"read {kind}": partial(from_file, kind) for kind in WRITERS}
 WITH_TOLERANCE = {"live": live, **FILES}
 SIMULATE = partial(asap.simulate, cost=asap.LinearCost(10, 10))
-DOORS: dict[str, Callable[..., Passed]] = {
+ENTRIES: dict[str, Callable[..., Passed]] = {
     "simulate": partial(played, SIMULATE),
     "simulate a file": played_from_file,
     "run": partial(played, partial(asap.run, speed=10)),
@@ -89,24 +89,24 @@ DOORS: dict[str, Callable[..., Passed]] = {
 }
 
 
-@pytest.fixture(params=DOORS)
-def door(request: pytest.FixtureRequest, tmp_path: Path) -> Callable[..., Passed]:
-    return lambda events, **options: DOORS[request.param](events, tmp_path, **options)
+@pytest.fixture(params=ENTRIES)
+def entry(request: pytest.FixtureRequest, tmp_path: Path) -> Callable[..., Passed]:
+    return lambda events, **options: ENTRIES[request.param](events, tmp_path, **options)
 
 
-def test_clean_events_pass_untouched(door: Any) -> None:
-    assert_equal_events(door(EVENTS).events, EVENTS)
+def test_clean_events_pass_untouched(entry: Any) -> None:
+    assert_equal_events(entry(EVENTS).events, EVENTS)
 
 
-def test_A1_back_steps(door: Any) -> None:
+def test_A1_back_steps(entry: Any) -> None:
     bad = corrupt.back_steps(EVENTS, 40)
-    found = door(bad)
+    found = entry(bad)
     assert found.rejected == {"nonmonotonic": 40}
     assert_equal_events(found.events, EVENTS[bad["t"] == EVENTS["t"]])
-    assert len(door(bad, on_bad="clamp").events) == len(EVENTS)
+    assert len(entry(bad, on_bad="clamp").events) == len(EVENTS)
     at = int(np.argmax(bad["t"] != EVENTS["t"]))
     with pytest.raises(ValueError, match=rf"^t = {bad['t'][at]} \(event {at}\): "):
-        door(bad, on_bad="raise")
+        entry(bad, on_bad="raise")
 
 
 @pytest.mark.parametrize("name", WITH_TOLERANCE)
@@ -119,8 +119,8 @@ def test_A1_back_steps_within_the_tolerance_are_no_loss(name: str, tmp_path: Pat
     assert WITH_TOLERANCE[name](bad, tmp_path, reorder_tolerance_us=50).rejected
 
 
-def test_A2_clock_reset_starts_an_epoch(door: Any) -> None:
-    found = door(corrupt.clock_reset(EVENTS, 2000, to_us=0))
+def test_A2_clock_reset_starts_an_epoch(entry: Any) -> None:
+    found = entry(corrupt.clock_reset(EVENTS, 2000, to_us=0))
     t = found.events["t"]
     assert (found.clock_resets, found.rejected) == (1, {})
     assert t[2000] == t[1999] + 1
@@ -128,51 +128,51 @@ def test_A2_clock_reset_starts_an_epoch(door: Any) -> None:
 
 
 @pytest.mark.parametrize("bits", [24, 31])
-def test_A3_a_counter_that_wraps(door: Any, bits: int) -> None:
+def test_A3_a_counter_that_wraps(entry: Any, bits: int) -> None:
     wrapped = EVENTS.copy()
     wrapped["t"] = (EVENTS["t"] - EVENTS["t"][2000]) % (1 << bits)
-    found = door(wrapped)
+    found = entry(wrapped)
     assert (found.clock_resets, len(found.events)) == (1, len(EVENTS))
 
 
 @pytest.mark.parametrize("first_us", [-(1 << 50), -1, 0, 1_633_953_690_975_950])
-def test_A4_the_first_stamp_does_not_matter(door: Any, first_us: int) -> None:
+def test_A4_the_first_stamp_does_not_matter(entry: Any, first_us: int) -> None:
     moved = EVENTS.copy()
     moved["t"] += first_us - moved["t"][0]
-    assert_equal_events(door(moved).events, moved)
+    assert_equal_events(entry(moved).events, moved)
 
 
-def test_A5_events_outside_the_sensor(door: Any) -> None:
+def test_A5_events_outside_the_sensor(entry: Any) -> None:
     bad = corrupt.outside_sensor(EVENTS, 30)
-    found = door(bad)
+    found = entry(bad)
     inside = (bad["x"] < corrupt.WIDTH) & (bad["y"] < corrupt.HEIGHT)
     assert found.rejected == {"out_of_bounds": 30}
     assert_equal_events(found.events, bad[inside])
-    clamped = door(bad, on_bad="clamp").events
+    clamped = entry(bad, on_bad="clamp").events
     assert clamped["x"].tolist() == np.minimum(bad["x"], corrupt.WIDTH - 1).tolist()
     with pytest.raises(ValueError, match=r"^[xy] = \d+ \(event \d+\): outside the sensor"):
-        door(bad, on_bad="raise")
-    assert_equal_events(door(bad, width=None, height=None).events, bad)
+        entry(bad, on_bad="raise")
+    assert_equal_events(entry(bad, width=None, height=None).events, bad)
 
 
-def test_A6_A8_events_on_one_stamp_and_duplicates_pass(door: Any) -> None:
+def test_A6_A8_events_on_one_stamp_and_duplicates_pass(entry: Any) -> None:
     for odd in (corrupt.one_stamp(EVENTS, 500, 600), corrupt.duplicates(EVENTS, 80)):
-        assert_equal_events(door(odd).events, odd)
+        assert_equal_events(entry(odd).events, odd)
 
 
-def test_A8_odd_polarities_are_normalised(door: Any) -> None:
-    assert_equal_events(door(corrupt.odd_polarity(EVENTS, 50)).events, EVENTS)
+def test_A8_odd_polarities_are_normalised(entry: Any) -> None:
+    assert_equal_events(entry(corrupt.odd_polarity(EVENTS, 50)).events, EVENTS)
 
 
 @pytest.mark.parametrize("count", [0, 1])
-def test_A9_nothing_and_a_single_event(door: Any, count: int) -> None:
-    assert_equal_events(door(EVENTS[:count]).events, EVENTS[:count])
+def test_A9_nothing_and_a_single_event(entry: Any, count: int) -> None:
+    assert_equal_events(entry(EVENTS[:count]).events, EVENTS[:count])
 
 
 @pytest.mark.parametrize("name", ["simulate", "live", *FILES])
 def test_A10_a_year_of_silence_is_no_fault(name: str, tmp_path: Path) -> None:
     quiet = corrupt.gap(EVENTS, 100, 365 * 24 * 3600 * 10**6)
-    found = DOORS[name](quiet, tmp_path)
+    found = ENTRIES[name](quiet, tmp_path)
     assert (found.rejected, found.clock_resets) == ({}, 0)
     assert_equal_events(found.events, quiet)
 

@@ -63,7 +63,7 @@ class Unread:
         raise AssertionError("it was read")
 
 
-DOORS: dict[str, tuple[str, Callable[[Any], Any]]] = {
+ENTRIES: dict[str, tuple[str, Callable[[Any], Any]]] = {
     "run": ("algorithm", lambda worker: asap.run(Unread(), algorithm=worker)),
     "run, file": ("algorithm", lambda worker: asap.run("no such file", algorithm=worker)),
     "run, before": (
@@ -84,7 +84,7 @@ DOORS: dict[str, tuple[str, Callable[[Any], Any]]] = {
 
 
 @pytest.mark.parametrize("worker", WORKERS.values(), ids=WORKERS)
-@pytest.mark.parametrize(("field", "call"), DOORS.values(), ids=DOORS)
+@pytest.mark.parametrize(("field", "call"), ENTRIES.values(), ids=ENTRIES)
 def test_an_async_worker_is_refused(field: str, call: Callable[[Any], Any], worker: Any) -> None:
     with pytest.raises(TypeError, match=rf"^{field} = .*asyncio\.to_thread"):
         call(worker)
@@ -102,7 +102,7 @@ def takes_two(events: Any, sensor: Any) -> None:
     """Stand for a function that wants more than it gets."""
 
 
-@pytest.mark.parametrize(("field", "call"), DOORS.values(), ids=DOORS)
+@pytest.mark.parametrize(("field", "call"), ENTRIES.values(), ids=ENTRIES)
 @pytest.mark.parametrize(
     ("worker", "words"),
     [

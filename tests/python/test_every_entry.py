@@ -1,4 +1,4 @@
-"""The same packages through every door: the command line, simulate, run and the live forms. R21."""
+"""The same packages through every entry: command line, simulate, run and the live forms. R21."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pytest
 
 import asap
 from asap.cli import main
-from doors import packages_of
+from entries import packages_of
 from event_files import recording
 
 SIZE = 700

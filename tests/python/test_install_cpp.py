@@ -46,12 +46,12 @@ def assert_it_works(program: Path) -> None:
     assert output.startswith("periodic: 47 %") or " events received, " in output, output
 
 
-def stranger(folder: Path, door: str, library: str, program: str, **variables: str | Path) -> None:
+def stranger(folder: Path, way: str, library: str, program: str, **variables: str | Path) -> None:
     """Build a program on asap, found by this line of CMake, and run it."""
     folder.mkdir(exist_ok=True)
     (folder / "main.cpp").write_text(program)
     (folder / "CMakeLists.txt").write_text(
-        f"cmake_minimum_required(VERSION 3.22)\nproject(stranger CXX)\n{door}\n"
+        f"cmake_minimum_required(VERSION 3.22)\nproject(stranger CXX)\n{way}\n"
         f"add_executable(stranger main.cpp)\ntarget_link_libraries(stranger {library})\n"
     )
     cmake(folder, folder / "build", CMAKE_CXX_FLAGS=STRICT, **variables)
@@ -92,13 +92,13 @@ def test_find_package(prefix: Path, tmp_path: Path) -> None:
 
 
 def test_one_header_includes_all(prefix: Path, tmp_path: Path) -> None:
-    door, program = "find_package(asap REQUIRED)", with_one_include(OF_ALL)
-    stranger(tmp_path, door, ALL, program, CMAKE_PREFIX_PATH=prefix, **NO_EIGEN)
+    way, program = "find_package(asap REQUIRED)", with_one_include(OF_ALL)
+    stranger(tmp_path, way, ALL, program, CMAKE_PREFIX_PATH=prefix, **NO_EIGEN)
 
 
 def test_one_header_serves_the_core_alone(prefix: Path, tmp_path: Path) -> None:
-    door, program = "find_package(asap REQUIRED)", with_one_include(OF_THE_CORE)
-    stranger(tmp_path, door, CORE, program, CMAKE_PREFIX_PATH=prefix)
+    way, program = "find_package(asap REQUIRED)", with_one_include(OF_THE_CORE)
+    stranger(tmp_path, way, CORE, program, CMAKE_PREFIX_PATH=prefix)
 
 
 def test_find_package_refuses_another_version(prefix: Path, tmp_path: Path) -> None:
@@ -112,8 +112,8 @@ def test_find_package_refuses_another_version(prefix: Path, tmp_path: Path) -> N
 
 def test_a_component_that_is_there(prefix: Path, tmp_path: Path) -> None:
     minor = ".".join(asap.__version__.split(".")[:2])
-    door = f"find_package(asap {minor} REQUIRED COMPONENTS core)"
-    stranger(tmp_path, door, CORE, OF_THE_CORE.read_text(), CMAKE_PREFIX_PATH=prefix)
+    way = f"find_package(asap {minor} REQUIRED COMPONENTS core)"
+    stranger(tmp_path, way, CORE, OF_THE_CORE.read_text(), CMAKE_PREFIX_PATH=prefix)
 
 
 def test_the_core_is_built_and_found_where_there_is_no_eigen(tmp_path: Path) -> None:
@@ -122,13 +122,13 @@ def test_the_core_is_built_and_found_where_there_is_no_eigen(tmp_path: Path) -> 
     run(["cmake", "--install", tmp_path / "asap", "--prefix", tmp_path / "prefix"])
     assert not list((tmp_path / "prefix").rglob("*algorithms*"))
     everything = with_one_include(OF_THE_CORE)
-    doors = {
+    ways = {
         "installed": "find_package(asap REQUIRED)",
         "folder": f'add_subdirectory("{ROOT}" asap EXCLUDE_FROM_ALL)',
     }
-    for name, door in doors.items():
+    for name, way in ways.items():
         folder, installed = tmp_path / name, tmp_path / "prefix"
-        stranger(folder, door, CORE, everything, CMAKE_PREFIX_PATH=installed, **absent)
+        stranger(folder, way, CORE, everything, CMAKE_PREFIX_PATH=installed, **absent)
     assert known_targets(tmp_path / "asked", installed) == "FALSE,"
     with pytest.raises(AssertionError, match="ASAP_ALGORITHMS=OFF"):
         known_targets(tmp_path / "required", installed, "COMPONENTS algorithms")

@@ -16,7 +16,7 @@ import pytest
 
 import asap
 import streams
-from doors import packages_of
+from entries import packages_of
 
 # Deadline, the default, drops what is too old, which is a matter of whose turn it is.
 AN_HOUR = {"latency_ms": 3.6e6, "capacity": 1 << 20}

@@ -36,27 +36,27 @@ def live_filtered(source: Any, worker: Any, **sensor: int) -> object:
     return asap.Pipeline(before=worker, **sensor)
 
 
-DOORS = [run, simulate, filtered, live, live_filtered]
+ENTRIES = [run, simulate, filtered, live, live_filtered]
 
 
-@pytest.mark.parametrize("door", DOORS)
+@pytest.mark.parametrize("entry", ENTRIES)
 @pytest.mark.parametrize("size", [(34, 34), (346, 34), (34, 260)])
 def test_one_that_is_too_small_is_named_with_the_source_and_the_remedy(
-    door: Callable[..., object], size: tuple[int, int]
+    entry: Callable[..., object], size: tuple[int, int]
 ) -> None:
     worker = asap.BackgroundActivityFilter(*size)
-    field = "before" if "filtered" in door.__name__ else "algorithm"
+    field = "before" if "filtered" in entry.__name__ else "algorithm"
     words = (
         rf"^{field} = BackgroundActivityFilter for {size[0]} x {size[1]} px: .* 346 x 260 px; "
         r"make it BackgroundActivityFilter\(346, 260\)"
     )
     with pytest.raises(ValueError, match=words):
-        door(EVENTS, worker, width=346, height=260)
+        entry(EVENTS, worker, width=346, height=260)
     assert worker.rejected == 0
 
 
-@pytest.mark.parametrize("door", [run, simulate, filtered])
-def test_the_file_knows_the_sensor(door: Callable[..., object], tmp_path: Path) -> None:
+@pytest.mark.parametrize("entry", [run, simulate, filtered])
+def test_the_file_knows_the_sensor(entry: Callable[..., object], tmp_path: Path) -> None:
     np.savez(tmp_path / "events.npz", events=EVENTS, width=346, height=260)
     with pytest.raises(ValueError, match="346 x 260 px"):
-        door(tmp_path / "events.npz", asap.BackgroundActivityFilter(34, 34))
+        entry(tmp_path / "events.npz", asap.BackgroundActivityFilter(34, 34))

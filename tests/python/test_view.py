@@ -233,8 +233,8 @@ def guarded(tmp_path: Path) -> dict[str, str]:
 
 
 def is_open() -> bool:
-    with socket.socket() as door:
-        return door.connect_ex(("127.0.0.1", _rerun.PORT)) == 0
+    with socket.socket() as listener:
+        return listener.connect_ex(("127.0.0.1", _rerun.PORT)) == 0
 
 
 def view(folder: Path, target: str, environment: dict[str, str]) -> None:

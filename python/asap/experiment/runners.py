@@ -401,7 +401,10 @@ def remember(
     """Make the Run of what there is, however the runner ended, and keep it for last_run()."""
     rejected = dict(runner.validator.rejected)
     counts = dict(Ledger.of(runner.ledger))
-    for reason, count in stream.rejected.items():  # the reader's door comes before the runner's
+    for (
+        reason,
+        count,
+    ) in stream.rejected.items():  # the reader comes before the runner
         rejected[reason] = rejected.get(reason, 0) + count
         counts["received"] += count
         counts["rejected"] += count

@@ -80,13 +80,13 @@ class Source:
 
     def _first_good_us(self, events: Events) -> int | None:
         """Stamp of the first event that the runner's own validator will pass."""
-        door = _core.Validator(
+        validator = _core.Validator(
             width=self.width or 0,
             height=self.height or 0,
             on_bad="clamp" if self._on_bad == "clamp" else "drop",
         )
         for begin in range(0, events.size, _LOOK):
-            if (good := door.check(events[begin : begin + _LOOK])).size:
+            if (good := validator.check(events[begin : begin + _LOOK])).size:
                 return int(good["t"][0])
         return None
 
@@ -130,7 +130,7 @@ class Source:
 
 
 class CheckedStream(Source):
-    """A source behind one door for all: good events only, their stamps compressed by `speed`.
+    """A source behind one validator for all: good events only, their stamps compressed by `speed`.
 
     `speed` makes a quiet recording a busy one: t becomes t0 + (t - t0) / speed in whole us, where
     t0 is the first good stamp.
@@ -149,27 +149,29 @@ class CheckedStream(Source):
     ) -> None:
         self.speed = number("speed", speed, 1e-6, 1e6, "must be between 1e-6 and 1e6")
         super().__init__(source, width=width, height=height, on_bad=on_bad, start=start, stop=stop)
-        self._door = _core.Validator(width=self.width or 0, height=self.height or 0, on_bad=on_bad)
+        self._validator = _core.Validator(
+            width=self.width or 0, height=self.height or 0, on_bad=on_bad
+        )
         self._begin_us: int | None = None
 
     def __iter__(self) -> Iterator[Events]:
         for chunk in super().__iter__():
-            good = self._door.check(chunk)
+            good = self._validator.check(chunk)
             if good.size:
                 yield good if self.speed == 1.0 else self._compressed(good)
 
     @property
     def rejected(self) -> dict[str, int]:
-        """Events that the reader of the file and the door have rejected, by reason."""
+        """Events that the reader of the file and the validator have rejected, by reason."""
         rejected = super().rejected
-        for reason, count in self._door.rejected.items():
+        for reason, count in self._validator.rejected.items():
             rejected[reason] = rejected.get(reason, 0) + count
         return rejected
 
     @property
     def clock_resets(self) -> int:
-        """How often the reader of the file and the door saw the sensor's clock jump back."""
-        return super().clock_resets + self._door.clock_resets
+        """How often the reader of the file and the validator saw the sensor's clock jump back."""
+        return super().clock_resets + self._validator.clock_resets
 
     def _compressed(self, events: Events) -> Events:
         if self._begin_us is None:

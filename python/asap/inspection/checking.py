@@ -11,7 +11,7 @@ from asap import _checks, analysis
 from asap.experiment.runners import Progress
 from asap.experiment.source import names_files
 from asap.inspection.findings import judge
-from asap.inspection.meters import Door, Meters
+from asap.inspection.meters import BadEvents, Meters
 from asap.inspection.raw_source import RawSource
 from asap.io import TruncatedFileWarning, read
 from asap.results import Inspection
@@ -64,14 +64,14 @@ def check(
     """
     _checks.callback("on_progress", on_progress)
     raw = RawSource(source, width=width, height=height, order=order, time_unit=time_unit)
-    door = Door(raw.width, raw.height, is_file=raw.recording is not None)
+    bad = BadEvents(raw.width, raw.height, is_file=raw.recording is not None)
     meters = Meters(raw.width, raw.height)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", TruncatedFileWarning)  # it becomes a finding
         for block in raw:
-            passed = door.check(block)
+            passed = bad.check(block)
             if on_progress is not None:
-                on_progress(door.seen, None, {})
+                on_progress(bad.seen, None, {})
             if len(passed.events):
                 meters.add(passed)
     duration_s = meters.duration_us / 1e6
@@ -81,7 +81,7 @@ def check(
         format=raw.format,
         width=raw.width,
         height=raw.height,
-        received=raw.losses.bad_record + raw.losses.out_of_bounds + door.seen,
+        received=raw.losses.bad_record + raw.losses.out_of_bounds + bad.seen,
         events=meters.events,
         t_first_us=meters.first_stamp_us,
         duration_s=duration_s,
@@ -91,7 +91,7 @@ def check(
         rate_peak_10ms_hz=peaks_hz[10],
         rate_peak_100ms_hz=peaks_hz[100],
         longest_gap_us=meters.steps.longest_us,
-        findings={finding.name: finding for finding in judge(raw, door, meters)},
+        findings={finding.name: finding for finding in judge(raw, bad, meters)},
         hot_pixels=meters.pixels.hot(),
         busiest_pixels=meters.pixels.busiest(),
         pixel_counts=meters.pixels.counts,

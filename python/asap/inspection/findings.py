@@ -12,7 +12,7 @@ from asap.inspection.meters import (
     ALONE_US,
     GAP_US,
     MAX_SIDE,
-    Door,
+    BadEvents,
     Meters,
     PixelMap,
     Steps,
@@ -32,31 +32,31 @@ ENOUGH = 100  # events, to expect both polarities
 _COUNTER_BITS = (23, 24, 30, 31, 32)  # counters of cameras and formats, in us
 
 
-def judge(raw: RawSource, door: Door, meters: Meters) -> Iterator[Finding]:
+def judge(raw: RawSource, bad: BadEvents, meters: Meters) -> Iterator[Finding]:
     """Judge every check, once the source has been read."""
-    yield _empty(door, meters, raw)
-    yield _records(raw, door)
+    yield _empty(bad, meters, raw)
+    yield _records(raw, bad)
     yield _truncated(raw)
-    yield _out_of_bounds(raw, door, meters.pixels)
+    yield _out_of_bounds(raw, bad, meters.pixels)
     yield _found(
         "back_steps",
-        door.back_steps,
+        bad.back_steps,
         WRONG,
-        _disorder_words(door),
-        f"A run drops and counts them. {_sorting(door, meters)}",
+        _disorder_words(bad),
+        f"A run drops and counts them. {_sorting(bad, meters)}",
     )
     yield _lost(raw)
     yield _found(
         "clock_resets",
-        door.clock_resets,
+        bad.clock_resets,
         WRONG,
-        _reset_words(door),
+        _reset_words(bad),
         "The stamps before and after are of two clocks: split the recording there. A run goes on "
         "1 us after the last event.",
     )
     yield _gaps(meters.steps)
     yield _time_unit(raw, meters)
-    yield _polarity(door, meters)
+    yield _polarity(bad, meters)
     yield _noise(meters)
     yield _hot_pixels(meters)
 
@@ -67,10 +67,10 @@ def _found(name: str, tally: Tally, verdict: str, detail: str, remedy: str) -> F
     return Finding(name, tally.count, verdict, detail, remedy, tally.event, tally.t_us)
 
 
-def _empty(door: Door, meters: Meters, raw: RawSource) -> Finding:
+def _empty(bad: BadEvents, meters: Meters, raw: RawSource) -> Finding:
     if meters.events:
         return Finding("empty", 0, OK, f"{_units.count(meters.events)} good events")
-    if door.seen + raw.losses.bad_record + raw.losses.out_of_bounds == 0:
+    if bad.seen + raw.losses.bad_record + raw.losses.out_of_bounds == 0:
         if raw.losses.cut is not None:
             words = "nothing before the end of the file can be read"
             return Finding("empty", 1, WRONG, words, "Copy the file again.")
@@ -78,9 +78,9 @@ def _empty(door: Door, meters: Meters, raw: RawSource) -> Finding:
     return Finding("empty", 1, WRONG, "not one good event", "See the other checks.")
 
 
-def _records(raw: RawSource, door: Door) -> Finding:
+def _records(raw: RawSource, bad: BadEvents) -> Finding:
     losses = raw.losses
-    count = losses.bad_record + door.unreadable.count
+    count = losses.bad_record + bad.unreadable.count
     if count == 0:
         return Finding("bad_records", 0, OK, "")
     detail = "records that are no events, or whose stamps are no times"
@@ -97,8 +97,8 @@ def _records(raw: RawSource, door: Door) -> Finding:
         WRONG,
         detail,
         f"A run drops and counts them. {remedy}",
-        door.unreadable.event,
-        door.unreadable.t_us,
+        bad.unreadable.event,
+        bad.unreadable.t_us,
         next(iter(losses.bad_offsets), None),
     )
 
@@ -117,8 +117,8 @@ def _truncated(raw: RawSource) -> Finding:
     )
 
 
-def _out_of_bounds(raw: RawSource, door: Door, pixels: PixelMap) -> Finding:
-    count = raw.losses.out_of_bounds + door.outside.count
+def _out_of_bounds(raw: RawSource, bad: BadEvents, pixels: PixelMap) -> Finding:
+    count = raw.losses.out_of_bounds + bad.outside.count
     known = bool(raw.width and raw.height)
     sensor = f"{raw.width} x {raw.height} px" if known else "sensor unknown: not checked"
     if count:
@@ -126,7 +126,7 @@ def _out_of_bounds(raw: RawSource, door: Door, pixels: PixelMap) -> Finding:
             "A run drops and counts them. Many: is the sensor's size right, are x and y swapped? "
             "A few: transmission errors."
         )
-        outside = door.outside
+        outside = bad.outside
         return Finding("out_of_bounds", count, WRONG, sensor, remedy, outside.event, outside.t_us)
     if known:
         return Finding("out_of_bounds", 0, OK, sensor)
@@ -138,25 +138,25 @@ def _out_of_bounds(raw: RawSource, door: Door, pixels: PixelMap) -> Finding:
     return Finding("out_of_bounds", 0, NOTE, f"{sensor}; {reach}", remedy)
 
 
-def _is_disorder(door: Door) -> bool:
+def _is_disorder(bad: BadEvents) -> bool:
     """Whether events are out of place; else few stamps are wrong, and many look late for them."""
-    return door.late <= MAX_LATE * door.back_steps.count
+    return bad.late <= MAX_LATE * bad.back_steps.count
 
 
-def _disorder_words(door: Door) -> str:
-    if door.back_steps.count == 0:
+def _disorder_words(bad: BadEvents) -> str:
+    if bad.back_steps.count == 0:
         return ""
-    if not _is_disorder(door):
-        return f"largest {_units.duration(door.largest_back_step_us)}"
-    late = f"{_units.count(door.late)} event{'s' * (door.late > 1)} late"
-    return f"{late}, largest {_units.duration(door.latest_us)}"
+    if not _is_disorder(bad):
+        return f"largest {_units.duration(bad.largest_back_step_us)}"
+    late = f"{_units.count(bad.late)} event{'s' * (bad.late > 1)} late"
+    return f"{late}, largest {_units.duration(bad.latest_us)}"
 
 
-def _sorting(door: Door, meters: Meters) -> str:
+def _sorting(bad: BadEvents, meters: Meters) -> str:
     """Name the tolerance that sorts events that are out of place; none repairs a wrong clock."""
-    if not _is_disorder(door) or door.back_steps.count >= meters.events:
+    if not _is_disorder(bad) or bad.back_steps.count >= meters.events:
         return "The stamps of these are wrong, not their places: no sorting repairs them."
-    depth_us = door.latest_us
+    depth_us = bad.latest_us
     return (
         f"asap.read(..., reorder_tolerance_us={depth_us}) sorts them into their place, on the "
         f"command line --reorder-tolerance {depth_us}us."
@@ -176,10 +176,10 @@ def _lost(raw: RawSource) -> Finding:
     )
 
 
-def _reset_words(door: Door) -> str:
-    if door.clock_resets.count == 0:
+def _reset_words(bad: BadEvents) -> str:
+    if bad.clock_resets.count == 0:
         return ""
-    fall_us = door.largest_reset_us
+    fall_us = bad.largest_reset_us
     words = f"back by {_units.duration(fall_us)}"
     bits = [bits for bits in _COUNTER_BITS if abs(fall_us - 2**bits) < 0.01 * 2**bits]
     return f"{words}, as a counter of {bits[0]} bits wraps" if bits else words
@@ -224,8 +224,8 @@ def _sentence(words: str) -> str:
     return f"{words[0].upper()}{words[1:]}."
 
 
-def _polarity(door: Door, meters: Meters) -> Finding:
-    tally, events, on = door.odd_polarity, meters.events, meters.on
+def _polarity(bad: BadEvents, meters: Meters) -> Finding:
+    tally, events, on = bad.odd_polarity, meters.events, meters.on
     share = f"{_units.share(on / events)} ON" if events else ""
     if tally.count == 0 and events >= ENOUGH and on in (0, events):
         return Finding(

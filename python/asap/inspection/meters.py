@@ -61,7 +61,7 @@ class Passed(NamedTuple):
     stamps: Integers  #: as the source has them
 
 
-class Door:
+class BadEvents:
     """What the validator would refuse, event by event: where it was, and how far it was off.
 
     The core's own validator decides about stamps, so that the counts are those of a run. It sees a

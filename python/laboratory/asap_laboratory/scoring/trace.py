@@ -65,7 +65,7 @@ class HasEvents(Protocol):
     def events(self) -> NDArray[np.void]: ...  # noqa: D102
 
 
-class _Door:
+class _Feeder:
     """Package by package through filter, thinning and algorithm."""
 
     def __init__(
@@ -155,20 +155,20 @@ def follow(
 ) -> Trace:
     """Let a tracker follow a scene and note what it says at every sample time; see `score`."""
     labels = np.asarray(scene.labels).astype(np.int64)
-    door = _Door(tracker, scene, before, gamma, seed)
+    feeder = _Feeder(tracker, scene, before, gamma, seed)
     samples = []
     for begin, end, t_us in _packages(scene.events, sample_times(scene.events)):
-        passing = door.feed(begin, end)
+        passing = feeder.feed(begin, end)
         if t_us is None:
             break
         clusters = snapshot_at(tracker, t_us)
         if _groups(tracker):
-            door.rename(clusters.ids.tolist())
-        seen = passing if active == "produced" else door.last
+            feeder.rename(clusters.ids.tolist())
+        seen = passing if active == "produced" else feeder.last
         recent = seen[scene.events["t"][seen] >= t_us - PERIOD_US]
         sample = sample_at(scene, t_us, labels[recent])
         samples.append(sample._replace(clusters=clusters))
-    feed = door.close()
+    feed = feeder.close()
     ids = feed.returned
     return Trace(
         samples,
@@ -190,23 +190,23 @@ def snapshots_at(
     seed: int = 0,
 ) -> tuple[list[Snapshot], Feed]:
     """Let a tracker follow a recording and note its clusters at each of the times, us."""
-    door = _Door(tracker, scene, before, gamma, seed)
+    feeder = _Feeder(tracker, scene, before, gamma, seed)
     snapshots = []
     for begin, end, t_us in _packages(scene.events, times):
-        door.feed(begin, end)
+        feeder.feed(begin, end)
         if t_us is not None:
             snapshots.append(snapshot_at(tracker, t_us))
-    return snapshots, door.close()
+    return snapshots, feeder.close()
 
 
 def run_through(
     algorithm: Any, scene: Scene, *, before: Any = None, gamma: float = 1.0, seed: int = 0
 ) -> Feed:
     """Put a scene through an algorithm without clusters, in the same packages as `follow`."""
-    door = _Door(algorithm, scene, before, gamma, seed)
+    feeder = _Feeder(algorithm, scene, before, gamma, seed)
     for begin, end, _ in _packages(scene.events, sample_times(scene.events)):
-        door.feed(begin, end)
-    return door.close()
+        feeder.feed(begin, end)
+    return feeder.close()
 
 
 def sample_at(scene: Scene, t_us: int, recent: NDArray[np.int64]) -> Sample:
