@@ -13,11 +13,11 @@
 #include <span>
 #include <vector>
 
-#include "algorithms/event_clock.hpp"
 #include "algorithms/fast/association.hpp"
 #include "algorithms/sensor_frame.hpp"
 #include "asap/algorithms/cluster_tracker.hpp"
 #include "asap/core/event.hpp"
+#include "core/event_clock.hpp"
 
 namespace asap {
 

@@ -35,6 +35,12 @@ class ArcFilter {
     return static_cast<int>(now - last > window_us_) | static_cast<int>(pixel[1 - own] > last);
   }
 
+  // Takes the stamp of an event that is not tested.
+  void pass_over(const Event& event) noexcept { times_.time_of(event.t); }
+
+  // The time of the latest event, passed over or not.
+  std::int64_t now_us() const noexcept { return times_.now_us(); }
+
   void clear() noexcept { times_.clear(); }
 
  private:

@@ -100,7 +100,7 @@ class ArcStarRule {
   bool is_corner(const Event& event) noexcept {
     if (!filter_.passes(event)) return false;
     Number* pixel = surface_.pixel(event);
-    *pixel = surface_.next(event.t);
+    *pixel = surface_.next(filter_.now_us());
     return frame_.contains(event, kRingMargin) && has_corner_arcs(pixel, surface_.stride());
   }
 
@@ -151,9 +151,13 @@ class FAHarrisRule {
   const SensorFrame& frame() const noexcept { return frame_; }
 
   bool is_corner(const Event& event) noexcept {
-    if (!frame_.contains(event, kRingMargin) || !filter_.passes(event)) return false;
+    if (!frame_.contains(event, kRingMargin)) {
+      filter_.pass_over(event);
+      return false;
+    }
+    if (!filter_.passes(event)) return false;
     Number* stamp = stamps_.pixel(event);
-    *stamp = stamps_.next(event.t);
+    *stamp = stamps_.next(filter_.now_us());
     const Number* pixel = patch_.take(event);
     return has_corner_arcs(stamp, stamps_.stride()) && patch_.is_corner(pixel);
   }

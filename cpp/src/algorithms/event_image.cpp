@@ -4,9 +4,9 @@
 #include <functional>
 #include <limits>
 
-#include "algorithms/event_clock.hpp"
 #include "algorithms/sensor_frame.hpp"
 #include "core/check.hpp"
+#include "core/event_clock.hpp"
 
 namespace asap::inline v0_1 {
 namespace {

@@ -10,10 +10,10 @@
 
 #include "algorithms/cell_grid.hpp"
 #include "algorithms/centre_grid.hpp"
-#include "algorithms/event_clock.hpp"
 #include "algorithms/sensor_frame.hpp"
 #include "asap/algorithms/feature_tracker.hpp"
 #include "asap/core/event.hpp"
+#include "core/event_clock.hpp"
 
 namespace asap::inline v0_1 {
 

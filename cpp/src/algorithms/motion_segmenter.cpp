@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <span>
 
-#include "algorithms/event_clock.hpp"
 #include "algorithms/motion/background_motion.hpp"
 #include "algorithms/motion/motion_regions.hpp"
 #include "algorithms/motion/recent_flow.hpp"
@@ -13,6 +12,7 @@
 #include "algorithms/smooth_gamma.hpp"
 #include "asap/algorithms/plane_flow.hpp"
 #include "core/check.hpp"
+#include "core/event_clock.hpp"
 
 namespace asap::inline v0_1 {
 namespace {

@@ -12,9 +12,9 @@
 #include <memory>
 #include <vector>
 
-#include "algorithms/event_clock.hpp"
 #include "algorithms/sensor_frame.hpp"
 #include "asap/core/event.hpp"
+#include "core/event_clock.hpp"
 
 namespace asap::inline v0_1 {
 

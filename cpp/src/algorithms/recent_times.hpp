@@ -11,7 +11,7 @@
 #include <limits>
 #include <vector>
 
-#include "algorithms/event_clock.hpp"
+#include "core/event_clock.hpp"
 
 namespace asap::inline v0_1 {
 
@@ -22,22 +22,22 @@ class RecentTimes {
   static constexpr Time kLongAgo = -(1 << 30);  // outside of every window
 
   // `never`: the time of a cell without an event. Either kLongAgo, or 0: time 0 is the stamp 0, or
-  // the microsecond before the first stamp if that is negative.
+  // the microsecond before the first stamp if that is not positive.
   RecentTimes(std::size_t cells, Time never) : never_(never), times_(cells, never) {}
 
   // The time of a stamp. Times read earlier are void when the origin has moved; the cells are not.
   Time time_of(std::int64_t stamp_us) noexcept {
-    if (stamp_us >= last_us_) [[likely]] {
-      last_us_ = stamp_us;
-    } else if (begins_epoch(last_us_, stamp_us)) {
-      move_origin_by(distance_us(last_us_, stamp_us));
-      last_us_ = stamp_us;
-    }
-    const std::uint64_t since_origin = distance_us(origin_us_, last_us_);
-    if (!started_ || since_origin > kMaxTime) [[unlikely]]
-      return move_origin();
+    if (!clock_.started()) [[unlikely]]
+      origin_us_ = EventClock::kOrigin_us - static_cast<std::uint64_t>(std::max(stamp_us, kFirst));
+    clock_.advance(stamp_us);
+    const std::uint64_t since_origin = clock_.now_us() - origin_us_;
+    if (since_origin > kMaxTime) [[unlikely]]
+      return move_origin(since_origin);
     return static_cast<Time>(since_origin);
   }
+
+  // Of the latest stamp; never goes back.
+  std::int64_t now_us() const noexcept { return static_cast<std::int64_t>(clock_.now_us()); }
 
   Time* data() noexcept { return times_.data(); }
 
@@ -45,37 +45,25 @@ class RecentTimes {
 
  private:
   static constexpr std::uint64_t kMaxTime = std::numeric_limits<Time>::max();
+  static constexpr std::int64_t kFirst = 1;  // the least time of an event
 
-  void move_origin_by(std::uint64_t us) noexcept {
-    origin_us_ = static_cast<std::int64_t>(static_cast<std::uint64_t>(origin_us_) + us);
-  }
-  Time move_origin() noexcept;
+  Time move_origin(std::uint64_t since_origin) noexcept;
 
   Time never_;
-  bool started_ = false;
-  std::int64_t origin_us_ = 0;
-  std::int64_t last_us_ = std::numeric_limits<std::int64_t>::min();
+  EventClock clock_;
+  std::uint64_t origin_us_ = 0;  // of the clock
   std::vector<Time> times_;
 };
 
 inline void RecentTimes::clear() noexcept {
   std::fill(times_.begin(), times_.end(), never_);
-  started_ = false;
-  last_us_ = std::numeric_limits<std::int64_t>::min();
+  clock_ = {};
 }
 
-inline RecentTimes::Time RecentTimes::move_origin() noexcept {
+inline RecentTimes::Time RecentTimes::move_origin(std::uint64_t since_origin) noexcept {
   constexpr std::uint64_t kNow = std::uint64_t{1} << 30;
-  if (!started_) {
-    started_ = true;
-    const bool lowest = last_us_ == std::numeric_limits<std::int64_t>::min();
-    origin_us_ = std::min<std::int64_t>(0, lowest ? last_us_ : last_us_ - 1);
-  }
-  const std::uint64_t since_origin = distance_us(origin_us_, last_us_);
-  if (since_origin <= kMaxTime) return static_cast<Time>(since_origin);
-
   const std::uint64_t shift = since_origin - kNow;
-  move_origin_by(shift);
+  origin_us_ += shift;
   const auto step = static_cast<std::int64_t>(std::min(shift, 2 * kMaxTime));
   for (Time& time : times_) {
     time = static_cast<Time>(std::max<std::int64_t>(time - step, never_));

@@ -9,7 +9,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
-#include <limits>
 #include <numeric>
 #include <optional>
 #include <utility>
@@ -91,21 +90,22 @@ class NaiveArcFilter {
       : window_us_(window_us), last_(width, height, std::nullopt) {}
 
   bool passes(const Event& event) {
-    // A pixel counts as fired at 0, or just before a first stamp below.
-    if (!has_started_) never_ = std::min<std::int64_t>(0, std::max(event.t, kLowest + 1) - 1);
+    // A pixel counts as fired at 0, or just before a first stamp that is not positive.
+    if (!has_started_) never_ = std::min<Wide>(0, Wide{event.t} - 1);
     has_started_ = true;
-    const auto time = [&](int p) -> Wide { return last_.at(event.x, event.y, p).value_or(never_); };
+    const auto time = [&](int p) {
+      const Stamp& last = last_.at(event.x, event.y, p);
+      return last ? Wide{*last} : never_;
+    };
     const bool passes = event.t - time(event.p) > window_us_ || time(1 - event.p) > time(event.p);
     last_.at(event.x, event.y, event.p) = event.t;
     return passes;
   }
 
  private:
-  static constexpr std::int64_t kLowest = std::numeric_limits<std::int64_t>::min();
-
   std::int64_t window_us_;
   bool has_started_ = false;
-  std::int64_t never_ = 0;
+  Wide never_ = 0;
   Planes<Stamp> last_;
 };
 

@@ -12,7 +12,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "algorithms/event_clock.hpp"
 #include "algorithms/fast/association.hpp"
 #include "algorithms/fast/lifecycle.hpp"
 #include "algorithms/fast/noise.hpp"
@@ -26,6 +25,7 @@
 #include "algorithms/smooth_gamma.hpp"
 #include "asap/algorithms/cluster_tracker.hpp"
 #include "asap/core/event.hpp"
+#include "core/event_clock.hpp"
 
 namespace asap::inline v0_1::fast {
 
