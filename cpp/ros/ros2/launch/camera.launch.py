@@ -17,8 +17,11 @@ ARGUMENTS = {
     "serial": ("", "serial number of the camera; empty: the first one"),
     "bias_file": ("", "for metavision a .bias file, for libcaer a YAML file of parameters"),
     "namespace": ("", "of both nodes"),
-    "latency_ms": ("10.0", "as the parameter of asap, and so the rest"),
-    "feedback": ("none", ""),
+    "latency_ms": (10.0, "as the parameter of asap, and so the rest"),
+    "feedback_timeout_ms": (1000.0, ""),
+    "queue": (1000, ""),
+    "prefer": ("balanced", ""),
+    "feedback": ("topic", ""),
     "encoding": ("evt3", ""),
     "input_reliability": ("best_effort", ""),
     "output_reliability": ("reliable", ""),
@@ -33,8 +36,7 @@ def containers(context: LaunchContext) -> list[ComposableNodeContainer]:
     camera = [{name: ParameterValue(given[name], value_type=str) for name in names}]
     if driver == "libcaer" and bias_file:
         camera.append(bias_file)
-    asap = {name: given[name] for name in [*ARGUMENTS][6:]}
-    asap["latency_ms"] = float(given["latency_ms"])
+    asap = {name: type(ARGUMENTS[name][0])(given[name]) for name in [*ARGUMENTS][5:]}
     plugins = [
         (f"{driver}_driver", DRIVERS[driver], "event_camera", camera, []),
         ("asap_ros", "asap_ros::PackageNode", "asap", [asap], [("events", "event_camera/events")]),
@@ -65,7 +67,7 @@ def containers(context: LaunchContext) -> list[ComposableNodeContainer]:
 def generate_launch_description() -> LaunchDescription:
     """Start the container."""
     declared = [
-        DeclareLaunchArgument(name, default_value=value, description=text)
+        DeclareLaunchArgument(name, default_value=str(value), description=text)
         for name, (value, text) in ARGUMENTS.items()
     ]
     return LaunchDescription([*declared, OpaqueFunction(function=containers)])
