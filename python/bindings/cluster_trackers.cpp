@@ -195,7 +195,8 @@ $outline
                              R"(Structured array, one row per thing that moves, sorted by id.
 
 An object is a cluster, or several that are parts of one thing; noise that is denser in one place
-is a cluster and no object, a lamp that flickers is an object. Grouped every 5 ms of event time.
+and a flicker of one polarity are clusters and no objects, a lamp that flickers in both is
+one. Grouped every 5 ms of event time.
 
 id : int64, never changes: that of the cluster that founded it, or one that no cluster has; an object that
     has stopped or is hidden is left out, and has its id again when it is back where it must be within half

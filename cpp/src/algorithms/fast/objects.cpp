@@ -446,7 +446,7 @@ bool Objects::are_one(const Tracks& tracks, const Bond& bond) const noexcept {
 // ---- which object is noise ----
 
 // NOISE: events with support against those without in the same place, above the rate of noise
-// elsewhere. Noise and a flickering light have one polarity, a moving object has two edges.
+// elsewhere. Noise and some flickers have one polarity, a moving object has two edges.
 void Objects::judge(const Tracks& tracks, const NoiseTiles& noise) noexcept {
   constexpr float kMinRatio = 2;    // hidden below; shown from here on with both polarities ...
   constexpr float kSureRatio = 12;  // ... and from here on in any case
