@@ -2,6 +2,8 @@
 
 #include <pybind11/gil_safe_call_once.h>
 
+#include "arguments.hpp"
+
 namespace asap::python {
 
 namespace {
@@ -47,6 +49,11 @@ EventSpan as_span(const py::array& events) {
                          shape + ", " + dtype + ": " + kGiveEvents);
   }
   return {static_cast<const Event*>(events.data()), static_cast<std::size_t>(events.size())};
+}
+
+EventSpan as_span(const py::object& events) {
+  if (!py::isinstance<py::array>(events)) throw_wrong_kind("events", events, kGiveEvents);
+  return as_span(py::reinterpret_borrow<py::array>(events));
 }
 
 std::span<Event> as_writable_span(const py::array& out) {

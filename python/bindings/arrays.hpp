@@ -29,6 +29,7 @@ constexpr const char* kGiveEvents =
 
 // The events of an array in EVENT_DTYPE; valid while the array lives.
 EventSpan as_span(const py::array& events);
+EventSpan as_span(const py::object& events);
 
 // The events of a writable array in EVENT_DTYPE, to be filled.
 std::span<Event> as_writable_span(const py::array& out);

@@ -72,7 +72,7 @@ std::vector<py::ssize_t> shape_of(const EventImageConfig& config, std::size_t im
           config.height, config.width};
 }
 
-py::tuple images(EventImage& image, const py::array& events) {
+py::tuple images(EventImage& image, const py::object& events) {
   const EventSpan span = as_span(events);
   std::vector<float> values;
   std::vector<std::int64_t> times_us;

@@ -36,7 +36,7 @@ class SeededFilter : public GammaFilter {
   GammaFilterConfig config_;
 };
 
-py::array apply(SeededFilter& filter, const py::array& events, double gamma) {
+py::array apply(SeededFilter& filter, const py::object& events, double gamma) {
   const EventSpan span = as_span(events);
   const KeepThreshold threshold = KeepThreshold::checked(gamma);
   std::vector<Event> kept(span.size());
@@ -47,7 +47,7 @@ py::array apply(SeededFilter& filter, const py::array& events, double gamma) {
   return moved_to_array(std::move(kept));
 }
 
-py::array_t<bool> mask(SeededFilter& filter, const py::array& events, double gamma) {
+py::array_t<bool> mask(SeededFilter& filter, const py::object& events, double gamma) {
   const EventSpan span = as_span(events);
   const KeepThreshold threshold = KeepThreshold::checked(gamma);
   py::array_t<bool> kept(static_cast<py::ssize_t>(span.size()));

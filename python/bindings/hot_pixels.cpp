@@ -35,7 +35,7 @@ Threads take turns. Only pixels count, not stamps and polarities. Three hot pixe
 other take each other for a moving edge: give them.
 )";
 
-std::size_t learned(HotPixelMask& mask, const py::array& events) {
+std::size_t learned(HotPixelMask& mask, const py::object& events) {
   const EventSpan span = as_span(events);
   // Pure C++ on memory that `events` keeps alive: other Python threads may run.
   const WithoutGil release;

@@ -76,7 +76,7 @@ ValueError
 }
 
 void def_taking(const py::object& type, const NativeAlgorithm& calls) {
-  const auto process = [calls](const py::object& self, const py::array& events) {
+  const auto process = [calls](const py::object& self, const py::object& events) {
     const EventSpan span = as_span(events);
     const Worker worker(calls.open, self);
     unheld([&] { calls.process(worker.get(), span); });
@@ -90,7 +90,7 @@ $not_events
 }
 
 void def_passing(const py::object& type, const NativeAlgorithm& calls) {
-  const auto process = [calls](const py::object& self, const py::array& events) {
+  const auto process = [calls](const py::object& self, const py::object& events) {
     const EventSpan span = as_span(events);
     std::vector<Event> passed(span.size());
     const Worker worker(calls.open, self);
@@ -113,7 +113,7 @@ $not_events
 
 void def_labelled(const py::object& type, const NativeAlgorithm& calls, Label label,
                   const char* doc) {
-  const auto process = [calls, label](const py::object& self, const py::array& events,
+  const auto process = [calls, label](const py::object& self, const py::object& events,
                                       bool labels) -> std::optional<py::array_t<std::int32_t>> {
     const EventSpan span = as_span(events);
     std::vector<std::int32_t> ids(labels ? span.size() : 0);
@@ -127,7 +127,7 @@ void def_labelled(const py::object& type, const NativeAlgorithm& calls, Label la
 
 void def_answering(const py::object& type, Open open, Answer answer, const py::dtype& dtype,
                    std::size_t columns, const char* doc) {
-  const auto process = [=](const py::object& self, const py::array& events) {
+  const auto process = [=](const py::object& self, const py::object& events) {
     const EventSpan span = as_span(events);
     std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(span.size())};
     if (columns > 1) shape.push_back(static_cast<py::ssize_t>(columns));

@@ -106,6 +106,9 @@ def test_other_arrays_are_refused_and_read_only_ones_taken(make: Make) -> None:
     for bad in (packed, events[::2], events.reshape(10, 10), events["x"]):
         with pytest.raises(TypeError, match="as_events"):
             algorithm.process(bad)
+    for other in ({}, [], None, 5, "events.npy"):
+        with pytest.raises(TypeError, match=r"^events = .*as_events\(\.\.\.\) makes one$"):
+            algorithm.process(other)
     algorithm.process(asap.as_events(packed))
     events.flags.writeable = False
     algorithm.process(events)
