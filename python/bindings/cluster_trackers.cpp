@@ -145,7 +145,7 @@ $not_events
           "clusters", [](const Tracker& self) { return moved_to_array(self.clusters()); }, clusters)
       .def(
           "clusters_at",
-          [](const Tracker& self, std::int64_t t_us) {
+          [](const Tracker& self, std::int64_t t_us) -> py::array {
             return moved_to_array(self.clusters_at(t_us));
           },
           py::arg("t_us").noconvert(), clusters_at)
@@ -211,7 +211,7 @@ independent : float64, 0 to 1, whether it moves unlike the background; -1: not k
 )")
       .def(
           "objects_at",
-          [](const ClusterTracker& self, std::int64_t t_us) {
+          [](const ClusterTracker& self, std::int64_t t_us) -> py::array {
             return moved_to_array(self.objects_at(t_us));
           },
           py::arg("t_us").noconvert(),

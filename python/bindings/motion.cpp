@@ -72,7 +72,7 @@ void bind(py::module_& m) {
   type.def_property_readonly("objects", objects, kObjectsDoc)
       .def(
           "objects_at",
-          [](const MotionSegmenter& self, std::int64_t t_us) {
+          [](const MotionSegmenter& self, std::int64_t t_us) -> py::array {
             return moved_to_array(self.objects_at(t_us));
           },
           py::arg("t_us").noconvert(),

@@ -7,6 +7,7 @@ nothing: where events are not what costs, nothing can be gained by dropping them
 from __future__ import annotations
 
 import itertools
+import os
 import statistics
 from collections.abc import Callable, Generator, Iterator
 from dataclasses import dataclass
@@ -16,11 +17,12 @@ from typing import Any
 import numpy as np
 
 from asap import _core
-from asap.experiment import simulate
+from asap.experiment import compare, simulate
 from asap_laboratory import _native
-from asap_laboratory.page import Rows, Tables, Writer, figure, only, over_seeds
+from asap_laboratory.page import Row, Rows, Tables, Writer, figure, only, over_seeds
 from asap_laboratory.profiles import Profile
 from asap_laboratory.profiles.rates import Floats
+from asap_laboratory.schemes.contenders import baselines
 from asap_laboratory.study import Batch, Study
 
 PREFERENCES = ("balanced", "events", "continuity")
@@ -229,6 +231,74 @@ def _outages(case: Disturbed, chance: np.random.Generator) -> Iterator[tuple[flo
         begin += length + max(rest, 0.02)
 
 
+# ---- recordings ---------------------------------------------------------------------------------
+
+_OFFICE, _SLIDER, _CARS = (
+    "aedat/office_davis346.aedat4",
+    "text/slider_davis240.txt",
+    "aedat/cars_davis346.aedat4",
+)
+
+
+@dataclass(frozen=True)
+class RecordingCase:
+    """A recording under Deadline, DeadBeat and every baseline; anytime."""
+
+    path: str  # below ASAP_TEST_DATA
+    speed: float
+    alpha_us: float
+    beta_ns: float
+    latency_ms: float
+
+    def weight(self) -> float:
+        """Events, about."""
+        return 1e5
+
+    def measure(self) -> Rows:
+        """Run it."""
+        cost = _core.LinearCost(self.alpha_us, self.beta_ns)
+        ours: dict[str, _core.Scheme] = {
+            "Deadline": _core.Deadline(latency_ms=self.latency_ms),
+            "DeadBeat": _core.DeadBeat(latency_ms=self.latency_ms),
+        }
+        found = compare(
+            _data() / self.path,
+            cost=cost,
+            schemes=ours | baselines(self.latency_ms, cost),
+            latency_ms=self.latency_ms,
+            speed=self.speed,
+        )
+        return [
+            {
+                "kind": "recording",
+                "recording": f"{Path(self.path).stem} x{self.speed:g}",
+                "cost": f"{self.alpha_us:g} us + {1e-3 * self.beta_ns:g} us",
+                "latency_ms": self.latency_ms,
+                "scheme": row.label,
+                "score": row.score,
+                "p99": row.p99_us / (1e3 * self.latency_ms),
+                "gap_ms": 1e-3 * row.gap_us,
+            }
+            for row in found.rows
+        ]
+
+
+RECORDINGS = (
+    *(RecordingCase(_OFFICE, speed, 100, 300, 10) for speed in (5, 10)),
+    *(RecordingCase(_OFFICE, 1, 100, 2000, latency) for latency in (10, 4)),
+    RecordingCase(_OFFICE, 1, 20, 2000, 4),
+    *(RecordingCase(_SLIDER, speed, 100, 300, 2) for speed in (10, 15)),
+    RecordingCase(_SLIDER, 30, 100, 300, 10),
+    RecordingCase(_SLIDER, 1, 100, 4000, 10),
+    RecordingCase(_SLIDER, 1, 20, 4000, 4),
+    RecordingCase(_CARS, 1, 100, 40_000, 10),
+)
+
+
+def _data() -> Path:
+    return Path(os.environ.get("ASAP_TEST_DATA") or Path.cwd().parent / "shared" / "data")
+
+
 # ---- the study ----------------------------------------------------------------------------------
 
 
@@ -236,6 +306,7 @@ def _batches(form: str) -> Generator[Batch, Rows, None]:
     seeds = _SEEDS[form]
     yield Batch([BoundCase(*one) for one in itertools.product(RATIOS, LOADS, seeds)])
     yield Batch([DisturbedCase(*one) for one in itertools.product(range(len(DISTURBED)), seeds)])
+    yield Batch([one for one in RECORDINGS if (_data() / one.path).exists()])
 
 
 def _summary(rows: Rows) -> Tables:
@@ -275,7 +346,29 @@ def _summary(rows: Rows) -> Tables:
                 "greedy_p99": statistics.fmean(row["p99"] for row in greedy),
             }
         )
-    return {"bounds": bounds, "disturbed": disturbed}
+    return {"bounds": bounds, "disturbed": disturbed, "recordings": _recordings(rows)}
+
+
+def _recordings(rows: Rows) -> Rows:
+    """Put the schemes of a recording into one row, of the baselines only the best."""
+    found = []
+    for case in over_seeds(
+        only(rows, kind="recording"), ("recording", "cost", "latency_ms"), ("score",)
+    ):
+        key = {name: case[name] for name in ("recording", "cost", "latency_ms")}
+        runs = {row["scheme"]: row for row in only(rows, kind="recording", **key)}
+        ours = {name: runs.pop(name) for name in ("Deadline", "DeadBeat", "jAER timer")}
+        others = [row for row in runs.values() if row["p99"] <= 1]
+        best = max(others, key=lambda row: float(row["score"]), default=None)
+        cells = {name: _cell(row) for name, row in ours.items()}
+        found.append(
+            key | cells | {"other": "-" if best is None else f"{best['scheme']} {_cell(best)}"}
+        )
+    return found
+
+
+def _cell(run: Row) -> str:
+    return f"{run['score']:.3f}, {run['p99']:.2f}, {run['gap_ms']:.1f}"
 
 
 def _facts(tables: Tables) -> dict[str, Any]:
@@ -301,7 +394,7 @@ BOUNDS = Study(
     template=Path(__file__).with_name("bounds.md"),
     batches=_batches,
     summary=_summary,
-    tables=("bounds", "disturbed"),
+    tables=("bounds", "disturbed", "recordings"),
     cells={
         "share": figure("share"),
         "gaps": lambda row: f"{row['gap']:.2f} / {row['longest']:.2f}".replace("0.", "."),

@@ -30,6 +30,7 @@ using test::evenly_spaced;
 using test::Events;
 using test::number_of;
 
+constexpr std::int64_t kUnix_us = 1'600'000'000'000'000;
 constexpr std::int64_t kHour_us = 3'600'000'000;
 
 struct Row {
