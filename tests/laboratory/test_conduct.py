@@ -160,6 +160,7 @@ def test_processes_find_the_same_and_their_errors_come_out(tmp_path):
 
 INTERRUPTED = """
 import os, signal, sys
+from pathlib import Path
 from asap_laboratory.schemes.probes import SteadyProbe
 from asap_laboratory.study import Batch, State
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a background job ignores it

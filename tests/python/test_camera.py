@@ -157,13 +157,15 @@ class Noted:
 
     def __init__(self) -> None:
         self.pushed: list[tuple[Any, float]] = []
+        self.stopped = threading.Event()
 
     def push(self, events: Any, arrival_time: float) -> None:
         self.pushed.append((events, arrival_time))
 
     def upstream_lost(self, marks: int, packets: int) -> None: ...
 
-    def stop(self) -> None: ...
+    def stop(self) -> None:
+        self.stopped.set()
 
 
 def test_events_that_a_driver_merged_came_one_after_the_other(
@@ -172,7 +174,8 @@ def test_events_that_a_driver_merged_came_one_after_the_other(
     attach("merged", UNPLUGGED)
     noted: Any = Noted()
     with pytest.raises(asap.CameraError), asap.open_camera() as camera:
-        camera.feed(noted)
+        camera._feed(noted)
+        noted.stopped.wait()
     first_s = noted.pushed[0][1]
     assert sum(len(events) for events, _ in noted.pushed) == 20 * PACKET
     for events, arrival_s in noted.pushed:
