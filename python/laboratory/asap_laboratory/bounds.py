@@ -7,7 +7,6 @@ nothing: where events are not what costs, nothing can be gained by dropping them
 from __future__ import annotations
 
 import itertools
-import os
 import statistics
 from collections.abc import Callable, Generator, Iterator
 from dataclasses import dataclass
@@ -22,6 +21,7 @@ from asap_laboratory import _native
 from asap_laboratory.page import Row, Rows, Tables, Writer, figure, only, over_seeds
 from asap_laboratory.profiles import Profile
 from asap_laboratory.profiles.rates import Floats
+from asap_laboratory.rivals.recordings import data_folder
 from asap_laboratory.schemes.contenders import baselines
 from asap_laboratory.study import Batch, Study
 
@@ -113,16 +113,16 @@ class Disturbed:
 
 
 def _disturbed() -> Iterator[Disturbed]:
-    regular = [(30, 8), (50, 8), (100, 8), (15, 5)]
-    at_random = [(40, 4), (20, 2), (100, 10)]
-    interruptions: list[dict[str, Any]] = [
-        *({"every_ms": every, "length_ms": length} for every, length in regular),
-        *(
-            {"every_ms": every, "length_ms": length, "at_random": True}
-            for every, length in at_random
-        ),
+    regular: list[dict[str, Any]] = [
+        {"every_ms": every, "length_ms": length}
+        for every, length in ((30, 8), (50, 8), (100, 8), (15, 5))
     ]
-    for alpha, outage in itertools.product((300, 1000, 2500), interruptions):
+    at_random: list[dict[str, Any]] = [
+        {"every_ms": every, "length_ms": length, "at_random": True}
+        for every, length in ((40, 4), (20, 2), (100, 10))
+    ]
+    some = [regular[0], *at_random]
+    for alpha, outage in itertools.product((300, 1000, 2500), regular + at_random):
         yield Disturbed("flat, interrupted", alpha, 0, burst=2, **outage)
     for alpha, noise in itertools.product((600, 1000, 3000), (0.3, 0.5)):
         yield Disturbed("flat, noise .3 and .5", alpha, 15, burst=2, noise=noise)
@@ -141,7 +141,7 @@ def _disturbed() -> Iterator[Disturbed]:
             tripled=share,
             duration_s=1.2,
         )
-    for beta, outage in itertools.product((100, 500, 1000), interruptions[:1] + interruptions[4:]):
+    for beta, outage in itertools.product((100, 500, 1000), some):
         yield Disturbed("light load, interrupted", 100, beta, duration_s=1.2, **outage)
     for ratio in (3, 5, 10, 30):
         yield Disturbed("flat, steady", 1e4 / ratio, 1, burst=2, duration_s=1.2)
@@ -149,7 +149,7 @@ def _disturbed() -> Iterator[Disturbed]:
         yield Disturbed(
             "load .5 to 2, noise .3 and .5", 1e4 / ratio, 2e3 * load, noise=noise, duration_s=1.2
         )
-    for beta, outage in itertools.product((2500, 6000), interruptions[:1] + interruptions[4:]):
+    for beta, outage in itertools.product((2500, 6000), some):
         yield Disturbed("overload, interrupted", 200, beta, duration_s=1.2, **outage)
 
 
@@ -262,7 +262,7 @@ class RecordingCase:
             "DeadBeat": _core.DeadBeat(latency_ms=self.latency_ms),
         }
         found = compare(
-            _data() / self.path,
+            data_folder() / self.path,
             cost=cost,
             schemes=ours | baselines(self.latency_ms, cost),
             latency_ms=self.latency_ms,
@@ -295,10 +295,6 @@ RECORDINGS = (
 )
 
 
-def _data() -> Path:
-    return Path(os.environ.get("ASAP_TEST_DATA") or Path.cwd().parent / "shared" / "data")
-
-
 # ---- the study ----------------------------------------------------------------------------------
 
 
@@ -306,7 +302,7 @@ def _batches(form: str) -> Generator[Batch, Rows, None]:
     seeds = _SEEDS[form]
     yield Batch([BoundCase(*one) for one in itertools.product(RATIOS, LOADS, seeds)])
     yield Batch([DisturbedCase(*one) for one in itertools.product(range(len(DISTURBED)), seeds)])
-    yield Batch([one for one in RECORDINGS if (_data() / one.path).exists()])
+    yield Batch([one for one in RECORDINGS if (data_folder() / one.path).exists()])
 
 
 def _summary(rows: Rows) -> Tables:

@@ -64,11 +64,16 @@ def at_hand() -> list[Path]:
         return []
 
 
+def data_folder() -> Path:
+    """Return the folder that ASAP_TEST_DATA names, or where a checkout has it beside it."""
+    return Path(os.environ.get("ASAP_TEST_DATA") or Path.cwd().parent / "shared" / "data")
+
+
 def _usual() -> list[Path]:
-    data = Path(os.environ.get("ASAP_TEST_DATA") or Path.cwd().parent / "shared" / "data")
-    if not _sets_inside(data / "labelled"):
+    folder = data_folder() / "labelled"
+    if not _sets_inside(folder):
         raise ValueError(_NOWHERE)
-    return [data / "labelled"]
+    return [folder]
 
 
 def _sets_inside(folder: Path) -> list[Path]:
