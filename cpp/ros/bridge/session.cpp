@@ -260,8 +260,9 @@ Session::Report Session::report(const std::string& topic, const std::string& mis
   }
   report.facts.push_back({"last_second.waited_us", number(static_cast<double>(waited_ns_) * 1e-3)});
   if (!mismatch.empty()) report.level = Level::error, report.message = mismatch;
-  judge(report, since, stats, topic);
-  const bool is_behind = !lateness(since, stats).empty();
+  const std::string late = lateness(since, stats);
+  judge(report, since, stats, topic, late);
+  const bool is_behind = !late.empty();
   if (is_behind != is_behind_) say_(is_behind ? Level::warn : Level::ok, report.message);
   is_behind_ = is_behind;
   reported_ = counts;
@@ -274,7 +275,7 @@ Session::Report Session::report(const std::string& topic, const std::string& mis
 
 // Says the worst; of the equally bad, the first.
 void Session::judge(Report& report, const Counts& since, const PipelineStats& stats,
-                    const std::string& topic) const {
+                    const std::string& topic, const std::string& late) const {
   const auto say = [&report](Level level, const std::string& message) {
     if (level > report.level && !message.empty()) report.level = level, report.message = message;
   };
@@ -307,7 +308,7 @@ void Session::judge(Report& report, const Counts& since, const PipelineStats& st
     say(Level::warn, std::string("stalled: ") + receiver_.bottleneck() + " has not finished");
   }
   say(Level::warn, told("overflow", " events did not fit into the ring"));
-  say(Level::warn, lateness(since, stats));
+  say(Level::warn, late);
   say(Level::warn, missing(since));
   say(Level::warn, refused);
   if (report.level == Level::ok && !complaint.message.empty()) {

@@ -53,7 +53,7 @@ class Receiver {
   virtual bool stalled() const { return false; }
   // What limits where not all is processed in time.
   virtual const char* bottleneck() const { return "the algorithm"; }
-  // What is wrong with the consumer since the last call, once a second.
+  // Reports what went wrong with the consumer since the last call; called once a second.
   virtual Complaint complaint() { return {}; }
   // Returns further facts for a report. Any thread.
   virtual Facts facts() const { return {}; }
@@ -104,7 +104,7 @@ class Session {
     std::int64_t stamp_ns = 0;
   };
 
-  // Who was refused last, and may be heard next.
+  // The camera that was refused last; it may be heard next.
   struct Other {
     std::string publisher;
     std::string frame_id;
@@ -126,7 +126,7 @@ class Session {
   void fail(const std::string& what);
   Counts counts_of(const PipelineStats& stats) const;
   void judge(Report& report, const Counts& since, const PipelineStats& stats,
-             const std::string& topic) const;
+             const std::string& topic, const std::string& late) const;
   std::string silence(const std::string& topic) const;
   std::string rejection(const Counts& since) const;
   std::string lateness(const Counts& since, const PipelineStats& stats) const;
