@@ -1,4 +1,4 @@
-"""What is ROS 1's alone: dvs_msgs/EventArray, the wire, the master. See run_ros1."""
+"""Tests of what only ROS 1 has: dvs_msgs/EventArray, the wire, the master. See run_ros1."""
 
 from __future__ import annotations
 

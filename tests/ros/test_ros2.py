@@ -1,4 +1,4 @@
-"""What is ROS 2's alone: DDS, parameters, several drivers. tests/ros/run starts this."""
+"""Tests of what only ROS 2 has: DDS, parameters, several drivers. tests/ros/run starts this."""
 
 from __future__ import annotations
 

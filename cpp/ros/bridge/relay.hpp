@@ -33,7 +33,7 @@ struct Message {
   EventSpan events{};  // the same as events
 };
 
-// Who is at the topics: how many take the packages, and how many of them can give feedback.
+// The consumers at the topics: how many take the packages, how many of them can give feedback.
 struct Consumers {
   std::size_t heard = 0;
   std::size_t answering = 0;

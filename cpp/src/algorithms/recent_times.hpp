@@ -36,7 +36,7 @@ class RecentTimes {
     return static_cast<Time>(since_origin);
   }
 
-  // Of the latest stamp; never goes back.
+  // The time of the latest stamp; it never goes back.
   std::int64_t now_us() const noexcept { return static_cast<std::int64_t>(clock_.now_us()); }
 
   Time* data() noexcept { return times_.data(); }

@@ -61,7 +61,8 @@ EventSpan Thinner::decide_part(std::size_t begin, std::size_t end, Share share) 
   return thin(begin, end, share);
 }
 
-// Of the decided events from `begin` on, all kept, beyond the first `size` events of the package.
+// The decided events from `begin` on were all kept and follow the package's first `size` events:
+// notes when they came.
 void Thinner::note_arrivals(std::size_t begin, std::size_t size) noexcept {
   for (std::size_t at = begin; at < decided_;) {
     const Together together = times_.together(head_ + at, head_ + decided_);

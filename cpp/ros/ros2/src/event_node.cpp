@@ -93,7 +93,7 @@ void EventNode::stop() {
 
 // ---- parameters -------------------------------------------------------------------------------
 
-// What is declared, so all that has been accepted, in force or not.
+// Reads the declared parameters: all that were accepted, in force or not.
 ros::Parameters EventNode::declared() const {
   ros::Parameters parameters;
   const auto look = [&](const auto& field) {
