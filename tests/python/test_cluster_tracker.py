@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import asap
 from asap import EVENT_DTYPE, ClusterTracker, PublishedClusterTracker, synthetic
 
 WIDTH, HEIGHT = 346, 260
@@ -156,5 +157,7 @@ def test_counters() -> None:
     assert (tracker.rejected, tracker.unsupported, tracker.refused) == (1, 2, 0)
     full = ClusterTracker(WIDTH, HEIGHT, slots=1)
     events = np.concatenate([disk(0, 0.5), disk(0, 0.5, vx=400.0, seed=1)])
-    full.process(events[np.argsort(events["t"], kind="stable")])
+    events = events[np.argsort(events["t"], kind="stable")]
+    run = asap.run(events, algorithm=full, latency_ms=100)
     assert full.refused > 0
+    assert "give it more slots" in str(run)

@@ -196,9 +196,16 @@ class TestText:
         for header in (
             "x,y,polarity,timestamp", "x;y;p;t", "# x y p t", "X, Y, P, T", '"x","y","pol","time"',
             "x,y,p,t_us", "x,y,p,t [us]", "x y on timestamp(us)",
+            "x,y,p,t,",
         ):  # fmt: skip
             path = text(tmp_path, f"{header}\n1,2,0,5\n3,4,1,7\n")
             assert txyp(asap.load(path)) == expected, header
+
+    @pytest.mark.parametrize("separator", [";", "\t"])
+    def test_decimal_commas_are_named(self, tmp_path: Path, separator: str) -> None:
+        rows = "".join(separator.join((f"0,00{i}", "1", "2", "0")) + "\n" for i in range(9))
+        with pytest.raises(CorruptFile, match="decimal comma"):
+            asap.read(text(tmp_path, rows))
 
     def test_header_that_names_no_events(self, tmp_path: Path) -> None:
         with pytest.raises(ValueError, match=r"a, b, c; say what they are"):

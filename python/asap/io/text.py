@@ -35,6 +35,7 @@ _SHORTEST = 6  # bytes of a line with three numbers
 _NUMBER = re.compile(rb"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 _QUOTED = re.compile(rb"""(["'])\d[\d.]*\1""")
 _SEPARATORS = re.compile(rb"[ \t,;\r]+")
+_DECIMAL_COMMA = re.compile(rb"\d,\d+ *[;\t]|[;\t] *\d+,\d")
 _TRUTHS = {b"True": b"1", b"true": b"1", b"False": b"0", b"false": b"0"}  # as pandas writes them
 _SENSOR = re.compile(
     rb"(?:geometry|resolution|size|sensor)\W*(\d{1,5})\s*[x,; ]\s*(\d{1,5})\b"
@@ -176,7 +177,7 @@ def _find_layout(path: Path, head: bytes, options: Options) -> _Layout:
             sensor = (int(sides[1]), int(sides[2]))
             start = at
         elif all(numeric):
-            if b";" in text and b"," in text:
+            if _DECIMAL_COMMA.search(text):
                 fault = "numbers with a decimal comma; write them with a point"
                 raise CorruptFile(path, at - len(line), fault)
             rows.append(fields)
@@ -216,6 +217,7 @@ def _separator(text: bytes) -> bytes:
 def _names(text: bytes, *, commented: bool) -> list[str]:
     """Column names of a header line; of a comment only if they contain t, x and y."""
     line = re.sub(r"\s+(?=[\[(])", "", text.decode("utf-8", "replace").lower())  # before a unit
+    line = line.rstrip(",; \t")  # where each line ends in one
     split = re.split(r"[,;]", line) if re.search(r"[,;]", line) else line.split()
     names = [name.strip().strip("\"'") for name in split]
     return names if _name_events(names) or not commented else []

@@ -85,6 +85,9 @@ def run_figures(run: Run, summary: Mapping[str, Any]) -> dict[str, str]:
         rows.append(
             ("driver", f"lost {lost['marks']} marks, {lost['packets']} packets before ASAP")
         )
+    if isinstance(refused := getattr(run.algorithm, "refused", 0), int) and refused:
+        words = f"all slots taken, {_units.count(refused)} times no cluster could begin"
+        rows.append(("clusters", f"{words}; give it more slots"))
     return dict(rows)
 
 
