@@ -8,36 +8,22 @@
 #include <utility>
 #include <vector>
 
-#include "algorithms/corner_streams.hpp"
 #include "algorithms/naive_corners.hpp"
 #include "asap/algorithms/corner_detector.hpp"
 #include "per_event.hpp"
+#include "shapes.hpp"
 
 namespace {
 
-constexpr std::size_t kEvents = 200'000;
-
-using Events = std::vector<asap::Event>;
-using Stream = const Events& (*)();
-
-// ArcStar tests 82 % of these events, a quarter of the others.
-const Events& golden() {
-  static const auto events = asap::test::golden_corner_stream(kEvents);
-  return events;
-}
+using asap::bench::Events;
+using asap::bench::fast;
+using asap::bench::golden;
+using asap::bench::kEvents;
+using asap::bench::noisy;
+using asap::bench::Stream;
 
 const Events& slow() {
   static const auto events = asap::test::turning_shapes({.speed = 120}, kEvents);
-  return events;
-}
-
-const Events& fast() {
-  static const auto events = asap::test::turning_shapes({.speed = 700}, kEvents);
-  return events;
-}
-
-const Events& noisy() {
-  static const auto events = asap::test::turning_shapes({.speed = 300, .noise_hz = 8}, kEvents);
   return events;
 }
 

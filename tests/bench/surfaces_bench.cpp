@@ -10,35 +10,21 @@
 #include <utility>
 #include <vector>
 
-#include "algorithms/corner_streams.hpp"
 #include "algorithms/naive_surfaces.hpp"
 #include "asap/algorithms/event_image.hpp"
 #include "asap/algorithms/event_surface.hpp"
 #include "asap/algorithms/noise_filters.hpp"
 #include "asap/algorithms/plane_flow.hpp"
 #include "per_event.hpp"
+#include "shapes.hpp"
 
 namespace {
 
-constexpr std::size_t kEvents = 200'000;
-
-using Events = std::vector<asap::Event>;
-using Stream = const Events& (*)();
-
-const Events& golden() {
-  static const auto events = asap::test::golden_corner_stream(kEvents);
-  return events;
-}
-
-const Events& fast() {
-  static const auto events = asap::test::turning_shapes({.speed = 700}, kEvents);
-  return events;
-}
-
-const Events& noisy() {
-  static const auto events = asap::test::turning_shapes({.speed = 300, .noise_hz = 8}, kEvents);
-  return events;
-}
+using asap::bench::Events;
+using asap::bench::fast;
+using asap::bench::golden;
+using asap::bench::noisy;
+using asap::bench::Stream;
 
 const std::vector<std::pair<std::string, Stream>> kStreams{
     {"golden", golden}, {"fast", fast}, {"noisy", noisy}};

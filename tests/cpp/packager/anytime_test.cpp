@@ -7,13 +7,10 @@
 #include <vector>
 
 #include "asap/filter/gamma_filter.hpp"
-#include "asap/telemetry/ledger.hpp"
 #include "core/random.hpp"
-#include "packager/event_times.hpp"
-#include "packager/packager.hpp"
+#include "packager/rig.hpp"
 #include "support/scripted_scheme.hpp"
 #include "support/streams.hpp"
-#include "telemetry/telemetry.hpp"
 
 namespace asap::anytime_test {
 namespace {
@@ -47,28 +44,18 @@ Numbers numbers_between(std::uint64_t begin, std::uint64_t end) {
   return numbers;
 }
 
-// A ring and a packager whose algorithm needs event_ns per event.
-class Rig {
- public:
+struct Rig : test::PackagerRig {
   explicit Rig(Scheme& scheme, std::size_t capacity = 4096, PackagerConfig config = {})
-      : buffer(capacity), packager(buffer, ages, scheme, telemetry, config) {
-    packager.begin(TimeAxis(0, 1.0), 0);
-  }
-
-  void push(EventSpan events) {
-    received += events.size();
-    buffer.push(events);
-  }
+      : PackagerRig(scheme, capacity, config) {}
 
   // Opens a package; a test that expects one fails without.
   Package open(std::int64_t now_ns = 0) {
-    telemetry.log.make_room();
-    const Packager::Next next = packager.next(now_ns);
+    const Packager::Next next = this->next(now_ns);
     EXPECT_EQ(next.step, Step::package);
     return next.package;
   }
 
-  // Runs a package to its end; the parts, each as it was handed out.
+  // Runs a package to its end, an event in event_ns; the parts, each as it was handed out.
   std::vector<Numbers> run(Package& package, double event_ns, std::int64_t now_ns = 0) {
     std::vector<Numbers> parts;
     for (;;) {
@@ -81,22 +68,6 @@ class Rig {
     packager.complete(package, now_ns);
     return parts;
   }
-
-  Ledger ledger() const {
-    return {.received = received,
-            .filtered = telemetry.filtered,
-            .discarded = telemetry.discarded,
-            .stale = telemetry.stale,
-            .overflow = buffer.overflow(),
-            .delivered = telemetry.delivered,
-            .pending = buffer.size()};
-  }
-
-  EventBuffer buffer;
-  AgeSlots ages{kBound_ns / 64};
-  Telemetry telemetry{kBound_ns};
-  Packager packager;
-  std::uint64_t received = 0;
 };
 
 TEST(Anytime, NextOpensAPackageAndStrataShowItsEvents) {

@@ -12,11 +12,9 @@
 #include "asap/schemes/asap2020.hpp"
 #include "asap/schemes/fixed.hpp"
 #include "asap/schemes/greedy.hpp"
-#include "asap/telemetry/ledger.hpp"
-#include "packager/event_times.hpp"
+#include "packager/rig.hpp"
 #include "support/scripted_scheme.hpp"
 #include "support/streams.hpp"
-#include "telemetry/telemetry.hpp"
 
 namespace asap::packager_test {
 namespace {
@@ -35,31 +33,14 @@ using Step = Packager::Step;
 
 constexpr std::int64_t kMicrosecond = 1000;
 constexpr std::int64_t kMillisecond = 1'000'000;
-constexpr std::int64_t kBound_ns = 10 * kMillisecond;
+constexpr std::int64_t kBound_ns = test::PackagerRig::kBound_ns;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kHuge = std::numeric_limits<std::size_t>::max();
 
-// A ring and a packager, with the books of what went in.
-class Rig {
- public:
+struct Rig : test::PackagerRig {
   explicit Rig(Scheme& scheme, std::size_t capacity = 1024, std::uint64_t seed = 0,
                std::size_t max_copied = kHuge)
-      : buffer(capacity),
-        packager(buffer, ages, scheme, telemetry, {.seed = seed, .max_copied = max_copied}) {
-    packager.begin(TimeAxis(0, 1.0), 0);
-  }
-
-  void push(EventSpan events) {
-    received += events.size();
-    const std::uint64_t first = buffer.tail();
-    const std::size_t taken = buffer.push(events);
-    ages.observe(events.first(taken), first, [](std::int64_t stamp) { return 1000 * stamp; });
-  }
-
-  Packager::Next next(std::int64_t now_ns) {
-    telemetry.log.make_room();
-    return packager.next(now_ns);
-  }
+      : PackagerRig(scheme, capacity, {.seed = seed, .max_copied = max_copied}) {}
 
   // The next package, finished after cost_ns.
   std::optional<Package> deliver(std::int64_t now_ns, std::int64_t cost_ns = 0) {
@@ -70,20 +51,6 @@ class Rig {
     return next.package;
   }
 
-  Ledger ledger() const {
-    return {.received = received,
-            .discarded = telemetry.discarded,
-            .stale = telemetry.stale,
-            .overflow = buffer.overflow(),
-            .delivered = telemetry.delivered,
-            .pending = buffer.size()};
-  }
-
-  EventBuffer buffer;
-  AgeSlots ages{kBound_ns / 64};
-  Telemetry telemetry{kBound_ns};
-  Packager packager;
-  std::uint64_t received = 0;
   Events last;  // events of the package delivered last
 };
 
