@@ -20,8 +20,8 @@ class Periodic final : public asap::Scheme {
     const std::int64_t start_ns = backlog.previous_start_ns + period_ns_;
     if (backlog.now_ns < start_ns && !backlog.due) return asap::Decision::wait_until(start_ns);
     const double affordable = static_cast<double>(period_ns_) / event_ns_;
-    const double keep = std::min(1.0, affordable / static_cast<double>(backlog.count));
-    return asap::Decision::take(backlog.count, keep);
+    const double gamma = std::min(1.0, affordable / static_cast<double>(backlog.count));
+    return asap::Decision::take(backlog.count, gamma);
   }
 
   // Told what the package cost.

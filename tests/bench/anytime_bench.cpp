@@ -199,7 +199,7 @@ void BM_DeadlineDecideAndObserve(benchmark::State& state) {
   for (auto _ : state) {
     const asap::Decision decision = scheme.decide(backlog);
     if (!decision.takes) ++waits;
-    if (decision.keep < 1.0) ++thinned;
+    if (decision.gamma < 1.0) ++thinned;
     const std::size_t size = 1000 + random(packages) % 8000;
     const double factor = 0.9 + 0.2 * random.uniform(packages++);
     const auto cost_ns =

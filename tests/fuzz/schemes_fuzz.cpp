@@ -64,7 +64,7 @@ struct Run {
     if (!decision.takes) return;
     fuzz::check(decision.stale <= count && decision.raw <= count - decision.stale);
     fuzz::check(decision.stale + decision.raw >= 1);
-    fuzz::check(decision.keep >= 0.0 && decision.keep <= 1.0);
+    fuzz::check(decision.gamma >= 0.0 && decision.gamma <= 1.0);
     fuzz::check(decision.budget_ns >= 1);
     fuzz::check(std::isfinite(decision.fixed_ns) && decision.fixed_ns >= 0.0);
     fuzz::check(std::isfinite(decision.event_ns) && decision.event_ns >= 0.0);
@@ -72,7 +72,7 @@ struct Run {
   }
 
   void complete(Scheme& scheme, const Decision& decision) {
-    const double share = bytes.flag() ? decision.keep : bytes.take<std::uint8_t>() / 255.0;
+    const double share = bytes.flag() ? decision.gamma : bytes.take<std::uint8_t>() / 255.0;
     const auto kept = static_cast<std::size_t>(share * static_cast<double>(decision.raw));
     const std::int64_t start_ns = now_ns;
     previous_ns = now_ns;

@@ -34,7 +34,7 @@ asap::System::Clock::time_point now;
 
 class Fixed final : public asap::Scheme {
  public:
-  explicit Fixed(double keep) : keep_(keep) {}
+  explicit Fixed(double gamma) : keep_(gamma) {}
   asap::Decision decide(const asap::Backlog&) noexcept override {
     return asap::Decision::take(kPackage, keep_);
   }

@@ -167,8 +167,8 @@ MUTANTS: list[Mutant] = [
         lost_events_shift_the_random_numbers=("  thinner_.skip(count);\n", ""),
         due_after_the_bound_instead_of_at_it=("now_ns >= flush_ns ||", "now_ns > flush_ns ||"),
         size_of_a_whole_package_by_chance=(
-            ".keep = left / static_cast<double>(last), .exactly = true}",
-            ".keep = left / static_cast<double>(last)}",
+            ".gamma = left / static_cast<double>(last), .exactly = true}",
+            ".gamma = left / static_cast<double>(last)}",
         ),
         full_ring_is_not_due=("waiting.size() == buffer_.capacity() || head <", "head <"),
         consumes_what_was_offered=("  consume(package.raw);", "  consume(package.offered);"),

@@ -27,7 +27,7 @@ Decision HostileScheme::decide(const Backlog& backlog) noexcept {
           .until_count = any(counts),
           .stale = draw_.chance(0.7) ? 0 : any(counts),
           .raw = any(counts),
-          .keep = any(keeps),
+          .gamma = any(keeps),
           .budget_ns = draw_.chance(0.5) ? draw_.between(-1000, 10'000'000) : any(times),
           .fixed_ns = any(costs),
           .event_ns = any(costs),

@@ -191,7 +191,7 @@ void LiveShadow::asked(const Backlog& backlog) {
 
 void LiveShadow::decided(const Backlog& backlog, const Decision& decision, const Belief& belief) {
   belief_ = belief;
-  keep_ = std::clamp(decision.keep, 0.0, 1.0);
+  keep_ = std::clamp(decision.gamma, 0.0, 1.0);
   hold_decision(setup_, backlog, decision, journal_);
   waits_ = !decision.takes && !backlog.due;
   raw_ = 0;

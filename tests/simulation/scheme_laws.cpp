@@ -14,7 +14,7 @@ void hold_same(const Decision& decision, const Decision& wanted, Journal& journa
     return;
   }
   journal.equal(Law::size, decision.raw, wanted.raw, "raw events taken");
-  journal.equal(Law::gamma, decision.keep, wanted.keep, "fraction to keep");
+  journal.equal(Law::gamma, decision.gamma, wanted.gamma, "fraction to keep");
 }
 
 Decision fixed_time(const Backlog& backlog, std::int64_t period_ns) {
@@ -75,9 +75,9 @@ void hold_decision(const Setup& setup, const Backlog& backlog, const Decision& d
     journal.hold(Law::size, decision.raw + decision.stale > 0, "takes nothing");
     journal.hold(Law::size, decision.raw + decision.stale <= backlog.count, "takes more than waits",
                  static_cast<double>(decision.raw), static_cast<double>(backlog.count));
-    journal.hold(Law::gamma, decision.keep >= scheme.min_gamma * (1 - 1e-9) || decision.raw == 0,
-                 "fraction to keep", decision.keep, scheme.min_gamma);
-    journal.hold(Law::gamma, decision.keep <= 1, "fraction to keep", decision.keep, 1);
+    journal.hold(Law::gamma, decision.gamma >= scheme.min_gamma * (1 - 1e-9) || decision.raw == 0,
+                 "fraction to keep", decision.gamma, scheme.min_gamma);
+    journal.hold(Law::gamma, decision.gamma <= 1, "fraction to keep", decision.gamma, 1);
   }
   switch (scheme.kind) {
     case Kind::fixed_size: {

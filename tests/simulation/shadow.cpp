@@ -120,7 +120,7 @@ void Shadow::decided(const Backlog& backlog, Decision decision) noexcept {
   const std::size_t left = backlog.count - decision_.stale;
   const std::size_t min = decision_.stale == 0 ? 1 : 0;
   decision_.raw = std::min(std::max(decision.raw, min), left);
-  decision_.keep = decision.keep < 1 ? std::max(decision.keep, 0.0) : 1.0;
+  decision_.gamma = decision.gamma < 1 ? std::max(decision.gamma, 0.0) : 1.0;
   stale_due_ = decision_.stale;
   is_open_ = decision_.raw > 0;
   if (!is_open_) return;
@@ -142,11 +142,11 @@ void Shadow::decided(const Backlog& backlog, Decision decision) noexcept {
 
 // Where its time is planned, so is its size: the last raw / 16 + 128 make up for chance.
 void Shadow::keep_whole(std::uint64_t head) noexcept {
-  const bool is_planned = decision_.budget_ns != kNever && decision_.keep < 1;
+  const bool is_planned = decision_.budget_ns != kNever && decision_.gamma < 1;
   const std::size_t last = is_planned ? std::min(raw_ / 16 + 128, raw_) : 0;
-  filter_.keep(head, head + raw_ - last, decision_.keep, kept_);
+  filter_.keep(head, head + raw_ - last, decision_.gamma, kept_);
   if (last == 0) return;
-  const double wanted = decision_.keep * static_cast<double>(raw_);
+  const double wanted = decision_.gamma * static_cast<double>(raw_);
   const double left = std::max(wanted - static_cast<double>(kept_.size()), 0.0);
   filter_.keep_exactly(head + raw_ - last, head + raw_, left / static_cast<double>(last), kept_);
 }
@@ -240,8 +240,8 @@ AnytimePlan::Stratum Shadow::next_stratum(std::int64_t now_ns) {
   journal_.hold(Law::size, stratum.end > stratum.begin && stratum.end <= decision_.raw,
                 "end of a stratum", static_cast<double>(stratum.end),
                 static_cast<double>(decision_.raw));
-  journal_.hold(Law::gamma, stratum.keep >= 0 && stratum.keep <= 1, "keep of a stratum",
-                stratum.keep);
+  journal_.hold(Law::gamma, stratum.gamma >= 0 && stratum.gamma <= 1, "gamma of a stratum",
+                stratum.gamma);
   journal_.equal(Law::size, stratum.is_last, stratum.end == decision_.raw, "the last stratum");
   is_planned_out_ = stratum.is_last;
   untold_ += stratum.end - stratum.begin;
@@ -269,9 +269,9 @@ void Shadow::part(const Package& package, EventSpan part, std::int64_t now_ns) {
       const AnytimePlan::Stratum stratum = next_stratum(now_ns);
       if (stratum.begin == stratum.end) break;
       if (stratum.is_last) {
-        filter_.keep_exactly(head_ + stratum.begin, head_ + stratum.end, stratum.keep, kept_);
+        filter_.keep_exactly(head_ + stratum.begin, head_ + stratum.end, stratum.gamma, kept_);
       } else {
-        filter_.keep(head_ + stratum.begin, head_ + stratum.end, stratum.keep, kept_);
+        filter_.keep(head_ + stratum.begin, head_ + stratum.end, stratum.gamma, kept_);
       }
       if (kept_.size() > handed_out_) break;
     }

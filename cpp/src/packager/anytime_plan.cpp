@@ -17,7 +17,7 @@ constexpr std::int64_t kLongestNs = 1'000'000'000'000'000;
 std::size_t strata(const Decision& decision) noexcept {
   constexpr auto kMax = static_cast<double>(AnytimePlan::kMaxStrata);
   const auto raw = static_cast<double>(decision.raw);
-  const double work_ns = decision.keep * raw * std::max(decision.event_ns, decision.max_event_ns);
+  const double work_ns = decision.gamma * raw * std::max(decision.event_ns, decision.max_event_ns);
   const auto budget_ns = static_cast<double>(decision.budget_ns);
   const double share_ns = std::max(budget_ns / kMax, kMinStratumNs);
   const double by_time = (work_ns < budget_ns ? work_ns : budget_ns) / share_ns;
@@ -54,7 +54,7 @@ AnytimePlan::AnytimePlan(const Decision& decision, std::int64_t start_ns,
     : raw_(decision.raw),
       strata_(strata(decision)),
       probe_(probe(decision, strata_)),
-      planned_(decision.keep * static_cast<double>(raw_)),
+      planned_(decision.gamma * static_cast<double>(raw_)),
       start_ns_(start_ns),
       end_ns_(start_ns + std::clamp<std::int64_t>(decision.budget_ns, 0, kLongestNs)),
       grace_ns_(grace_ns),
@@ -79,7 +79,7 @@ AnytimePlan::Stratum AnytimePlan::next(std::int64_t now_ns, std::size_t size) no
   const bool is_probe = probe_ > 0 && parts_ == 0;
   const Stratum stratum{.begin = done_ == 0 && !is_probe ? probe_ : raw_ * done_ / strata_,
                         .end = is_probe ? probe_ : raw_ * (done_ + 1) / strata_,
-                        .keep = keep(now_ns),
+                        .gamma = gamma(now_ns),
                         .is_last = done_ + 1 == strata_};
   ++parts_;
   if (!is_probe) ++done_;
@@ -113,7 +113,7 @@ std::int64_t AnytimePlan::outage_ns() const noexcept {
   return static_cast<std::int64_t>(outage_ns_ + suspect_ns_);
 }
 
-double AnytimePlan::keep(std::int64_t now_ns) const noexcept {
+double AnytimePlan::gamma(std::int64_t now_ns) const noexcept {
   const auto strata = static_cast<double>(strata_);
   auto left_ns = static_cast<double>(end_ns_ - now_ns);
   // If it takes all, the least gets through, and what that costs corrects a wrong belief.

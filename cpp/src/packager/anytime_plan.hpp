@@ -27,7 +27,7 @@ class AnytimePlan {
   struct Stratum {
     std::size_t begin = 0;  // raw events of the package
     std::size_t end = 0;    // begin == end: the package is finished
-    double keep = 1.0;
+    double gamma = 1.0;
     bool is_last = false;  // nothing follows that could make up for a chance in its number
   };
 
@@ -49,7 +49,7 @@ class AnytimePlan {
   std::int64_t outage_ns() const noexcept;
 
  private:
-  double keep(std::int64_t now_ns) const noexcept;
+  double gamma(std::int64_t now_ns) const noexcept;
   double first_events_ns(double part_ns, double size) const noexcept;
   void judge(double stratum_ns, double size) noexcept;
 

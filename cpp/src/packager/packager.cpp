@@ -125,8 +125,8 @@ Packager::Next Packager::next(std::int64_t now_ns, std::uint64_t until) {
     oldest_ns_ = is_first ? oldest_ns : times_.of(raw[0], buffer_.head());
     open(next.package, raw, decision, now_ns);
     if (!is_anytime_) {
-      if (decision.budget_ns == kNever || decision.keep == 1.0) {
-        add(next.package, 0, decision.raw, {.keep = decision.keep});
+      if (decision.budget_ns == kNever || decision.gamma == 1.0) {
+        add(next.package, 0, decision.raw, {.gamma = decision.gamma});
       } else {
         add_planned(next.package, decision);
       }
@@ -159,7 +159,7 @@ inline Decision Packager::ask(const EventPieces& waiting, std::int64_t oldest_ns
     decision.stale = std::min(decision.stale, waiting.size());
     if (decision.stale == 0) decision.raw = std::max<std::size_t>(decision.raw, 1);
     decision.raw = std::min(decision.raw, waiting.size() - decision.stale);
-    decision.keep = decision.keep < 1.0 ? std::max(decision.keep, 0.0) : 1.0;
+    decision.gamma = decision.gamma < 1.0 ? std::max(decision.gamma, 0.0) : 1.0;
   } else {
     // A wait that is over already would not let time pass.
     decision.until_ns = std::clamp(decision.until_ns, now_ns + 1, flush_ns);
@@ -192,7 +192,7 @@ EventSpan Packager::stratum(Package& package, std::int64_t now_ns) {
     }
     // In the last stratum no clock makes up for a chance in the number of events.
     const EventSpan kept = add(package, stratum.begin, stratum.end,
-                               {.keep = stratum.keep, .exactly = stratum.is_last});
+                               {.gamma = stratum.gamma, .exactly = stratum.is_last});
     if (package.raw < stratum.end) plan_ = {};  // it is full
     if (kept.empty()) continue;
     package.gamma = tell(kept.size());
@@ -207,11 +207,11 @@ EventSpan Packager::stratum(Package& package, std::int64_t now_ns) {
 void Packager::add_planned(Package& package, const Decision& decision) {
   const std::size_t raw = decision.raw;
   const std::size_t last = std::min(AnytimePlan::longest_stratum(raw), raw);
-  if (last < raw) add(package, 0, raw - last, {.keep = decision.keep});
+  if (last < raw) add(package, 0, raw - last, {.gamma = decision.gamma});
   if (package.raw < raw - last) return;  // it is full
-  const double planned = decision.keep * static_cast<double>(raw);
+  const double planned = decision.gamma * static_cast<double>(raw);
   const double left = std::max(planned - static_cast<double>(package.events.size()), 0.0);
-  add(package, raw - last, raw, {.keep = left / static_cast<double>(last), .exactly = true});
+  add(package, raw - last, raw, {.gamma = left / static_cast<double>(last), .exactly = true});
 }
 
 // Decides the package's raw events [begin, end), which follow those before, or as many as fit.

@@ -57,7 +57,7 @@ EventSpan Thinner::decide_part(std::size_t begin, std::size_t end, Share share) 
   const EventSpan slice = raw.first.empty() ? raw.second : raw.first;
   const bool follows = events_.empty() || events_.data() + events_.size() == slice.data();
   const bool is_enough = slice.size() == end - begin || !fits(end - begin);
-  if (share.keep >= 1.0 && follows && is_enough) return take_slice(slice, begin);
+  if (share.gamma >= 1.0 && follows && is_enough) return take_slice(slice, begin);
   return thin(begin, end, share);
 }
 
@@ -114,10 +114,10 @@ EventSpan Thinner::filter_and_thin(std::size_t begin, std::size_t end, Share sha
   decided_ = end;
   filtered_ += end - begin - passed;
 
-  const double wanted = share.keep * static_cast<double>(end - begin);
+  const double wanted = share.gamma * static_cast<double>(end - begin);
   const KeepThreshold bar = threshold(
       passed,
-      {.keep = passed > 0 ? wanted / static_cast<double>(passed) : 1.0, .exactly = share.exactly});
+      {.gamma = passed > 0 ? wanted / static_cast<double>(passed) : 1.0, .exactly = share.exactly});
   std::size_t size = before;
   std::size_t at = 0;
   for (const KeptTimes::Run& run : passed_times_.runs()) {
@@ -130,11 +130,11 @@ EventSpan Thinner::filter_and_thin(std::size_t begin, std::size_t end, Share sha
 }
 
 KeepThreshold Thinner::threshold(std::size_t events, Share share) const noexcept {
-  if (!share.exactly || share.keep >= 1.0 || events > max_numbers_) {
-    return KeepThreshold::clamped(share.keep);
+  if (!share.exactly || share.gamma >= 1.0 || events > max_numbers_) {
+    return KeepThreshold::clamped(share.gamma);
   }
   constexpr double kRounding = 1e-6;
-  const double size = share.keep * static_cast<double>(events) + kRounding;
+  const double size = share.gamma * static_cast<double>(events) + kRounding;
   return gamma_.keeping(static_cast<std::size_t>(size), events, {numbers_.get(), max_numbers_});
 }
 

@@ -22,7 +22,7 @@ namespace asap::inline v0_1 {
 // Which share of raw events is wanted, by chance or, where nothing follows that could make up for
 // the chance in their number, exactly.
 struct Share {
-  double keep = 1.0;
+  double gamma = 1.0;
   bool exactly = false;
 };
 
@@ -60,7 +60,7 @@ class Thinner {
   // a filter in front the share is still that of the raw events, as far as enough of them pass.
   // Where the package is full it ends before: see decided().
   EventSpan decide(std::size_t begin, std::size_t end, Share share) {
-    const bool is_whole = share.keep >= 1.0 && begin == 0 && end <= raw_.first.size();
+    const bool is_whole = share.gamma >= 1.0 && begin == 0 && end <= raw_.first.size();
     if (is_whole && !before_) return take_slice(raw_.first.first(end), 0);
     return decide_part(begin, end, share);
   }

@@ -15,7 +15,7 @@ constexpr bool is_early(std::uint64_t index) noexcept { return index < 15; }
 // Cuts a package that is larger than is safe to its oldest events. The rest waits: an error of the
 // cost model must not discard events.
 inline Decision safe_slice(const Decision& planned, double safe) noexcept {
-  if (planned.keep * static_cast<double>(planned.raw) <= safe) return planned;
+  if (planned.gamma * static_cast<double>(planned.raw) <= safe) return planned;
   Decision slice = Decision::take(static_cast<std::size_t>(safe));
   slice.stale = planned.stale;
   return slice;

@@ -15,8 +15,9 @@ constexpr std::int64_t kMillisecond = 1'000'000;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-Decision within(std::int64_t budget_ns, std::size_t raw, double event_ns = 0.0, double keep = 1.0) {
-  Decision decision = Decision::take(raw, keep);
+Decision within(std::int64_t budget_ns, std::size_t raw, double event_ns = 0.0,
+                double gamma = 1.0) {
+  Decision decision = Decision::take(raw, gamma);
   decision.budget_ns = budget_ns;
   decision.event_ns = event_ns;
   return decision;
@@ -49,13 +50,13 @@ TEST(AnytimePlan, CutsTheRawEventsIntoStrataOfEqualCount) {
 // k0 = 6400 / 32: the expectation counts as 200 events.
 TEST(AnytimePlan, WeighsTheExpectationAgainstWhatThePackageHasShown) {
   AnytimePlan plan(within(2 * kMillisecond, 6400, 1000.0), 7, kMillisecond);
-  EXPECT_DOUBLE_EQ(plan.next(7, 0).keep, 2e6 / 16 / 1000 / 400);
+  EXPECT_DOUBLE_EQ(plan.next(7, 0).gamma, 2e6 / 16 / 1000 / 400);
   // 100 events in 300 us.
   const double b = (200 * 1000.0 + 300'000) / (200 + 100);
-  EXPECT_DOUBLE_EQ(plan.next(300'007, 100).keep, 1.7e6 / 15 / b / 400);
+  EXPECT_DOUBLE_EQ(plan.next(300'007, 100).gamma, 1.7e6 / 15 / b / 400);
   // 50 more in 20 us.
   const double c = (200 * 1000.0 + 320'000) / (200 + 150);
-  EXPECT_DOUBLE_EQ(plan.next(320'007, 50).keep, 1.68e6 / 14 / c / 400);
+  EXPECT_DOUBLE_EQ(plan.next(320'007, 50).gamma, 1.68e6 / 14 / c / 400);
 }
 
 Decision with_fixed_cost(double fixed_ns, Decision decision) {
@@ -65,17 +66,17 @@ Decision with_fixed_cost(double fixed_ns, Decision decision) {
 
 TEST(AnytimePlan, TheOnlyStratumLeavesTimeForTheFixedCost) {
   const Decision decision = with_fixed_cost(940'000, within(kMillisecond, 100, 1000));
-  EXPECT_DOUBLE_EQ(AnytimePlan(decision, 5, 0).next(5, 0).keep, 0.6);
-  EXPECT_DOUBLE_EQ(AnytimePlan(decision, 5, 0).next(300'005, 0).keep, 0.6) << "partly over";
-  EXPECT_DOUBLE_EQ(AnytimePlan(decision, 5, 0).next(950'005, 0).keep, 0.5) << "over";
+  EXPECT_DOUBLE_EQ(AnytimePlan(decision, 5, 0).next(5, 0).gamma, 0.6);
+  EXPECT_DOUBLE_EQ(AnytimePlan(decision, 5, 0).next(300'005, 0).gamma, 0.6) << "partly over";
+  EXPECT_DOUBLE_EQ(AnytimePlan(decision, 5, 0).next(950'005, 0).gamma, 0.5) << "over";
 }
 
 TEST(AnytimePlan, AFixedCostBeyondTheBudgetLeavesTheLeast) {
   // If it is true, the package is late anyway; if not, its time tells the cost model so.
   const Decision decision = with_fixed_cost(1'500'000, within(kMillisecond, 100, 0.1));
-  EXPECT_DOUBLE_EQ(AnytimePlan(decision, 5, 0).next(5, 0).keep, 0.02) << "2 % of the plan: 2";
+  EXPECT_DOUBLE_EQ(AnytimePlan(decision, 5, 0).next(5, 0).gamma, 0.02) << "2 % of the plan: 2";
   const Decision small = with_fixed_cost(1'500'000, within(kMillisecond, 20, 0.1));
-  EXPECT_DOUBLE_EQ(AnytimePlan(small, 5, 0).next(5, 0).keep, 1.0 / 20);
+  EXPECT_DOUBLE_EQ(AnytimePlan(small, 5, 0).next(5, 0).gamma, 1.0 / 20);
 }
 
 // An event is expected to cost 1 us, which weighs as 200 events; the first stratum, of 100, takes
@@ -83,8 +84,8 @@ TEST(AnytimePlan, AFixedCostBeyondTheBudgetLeavesTheLeast) {
 TEST(AnytimePlan, WhatTheFixedCostTakesIsNotTheEvents) {
   const auto second = [](double fixed_ns) {
     AnytimePlan plan(with_fixed_cost(fixed_ns, within(2 * kMillisecond, 6400, 1000.0)), 7, 0);
-    EXPECT_DOUBLE_EQ(plan.next(7, 0).keep, 2e6 / 16 / 1000 / 400);
-    return plan.next(500'007, 100).keep;
+    EXPECT_DOUBLE_EQ(plan.next(7, 0).gamma, 2e6 / 16 / 1000 / 400);
+    return plan.next(500'007, 100).gamma;
   };
   const auto planned = [](double events_ns) {
     return 1.5e6 / 15 / ((200'000 + events_ns) / 300) / 400;
@@ -99,7 +100,7 @@ TEST(AnytimePlan, AFixedCostThatHasPassedBeforeIsNotLookedForAgain) {
   const auto second = [](std::int64_t first_ns) {
     AnytimePlan plan(with_fixed_cost(400'000, within(2 * kMillisecond, 6400, 1000.0)), 0, 0);
     (void)plan.next(first_ns, 0);
-    return plan.next(first_ns + 300'000, 100).keep;
+    return plan.next(first_ns + 300'000, 100).gamma;
   };
   EXPECT_DOUBLE_EQ(second(210'000), 1.49e6 / 15 / (500'000.0 / 300) / 400);
   EXPECT_DOUBLE_EQ(second(190'000), 1.51e6 / 15 / (300'000.0 / 300) / 400) << "most is to come";
@@ -135,7 +136,7 @@ TEST(AnytimePlan, AnExpectationThatIsDoubtedWeighsLess) {
     std::int64_t now_ns = 0;
     AnytimePlan::Stratum stratum = plan.next(0, 0);
     now_ns += 1000 * static_cast<std::int64_t>(stratum.end);
-    return plan.next(now_ns, stratum.end).keep * 400;  // in strata of 400
+    return plan.next(now_ns, stratum.end).gamma * 400;  // in strata of 400
   };
   const double time_ns = 1e6 - 400e3;
   EXPECT_DOUBLE_EQ(second(0), time_ns / 15 / ((200 * 100.0 + 400e3) / 600));
@@ -145,8 +146,8 @@ TEST(AnytimePlan, AnExpectationThatIsDoubtedWeighsLess) {
 TEST(AnytimePlan, ALatePackageGoesOnAtItsFloor) {
   AnytimePlan plan(within(kMillisecond, 6400, 1000.0), 0, kMillisecond);
   (void)plan.next(0, 0);
-  EXPECT_DOUBLE_EQ(plan.next(kMillisecond + 1, 10).keep, 0.02);
-  EXPECT_DOUBLE_EQ(plan.next(2 * kMillisecond, 8).keep, 0.02);
+  EXPECT_DOUBLE_EQ(plan.next(kMillisecond + 1, 10).gamma, 0.02);
+  EXPECT_DOUBLE_EQ(plan.next(2 * kMillisecond, 8).gamma, 0.02);
 }
 
 TEST(AnytimePlan, AnOutageEndsThePackageBeyondItsGrace) {
@@ -166,11 +167,11 @@ TEST(AnytimePlan, WhereItMightTakeTooLongTheFirstStratumBeginsWithAFew) {
   };
   EXPECT_EQ(first_end(10'000), 10u);
   EXPECT_EQ(strata_of(decision).size(), 17u);
-  EXPECT_EQ(strata_of(decision)[0].keep, 1.0);
+  EXPECT_EQ(strata_of(decision)[0].gamma, 1.0);
   EXPECT_EQ(strata_of(decision)[1].end, 100u);
   EXPECT_EQ(first_end(kInfinity), 1u);
   EXPECT_EQ(first_end(1000), 100u) << "then it would fit";
-  decision.keep = 0.01;
+  decision.gamma = 0.01;
   EXPECT_EQ(first_end(10'000), 10u) << "the clock may allow more than was planned";
   decision.event_ns = 10'000;
   EXPECT_EQ(first_end(10'000), 100u) << "no doubt";
@@ -247,13 +248,13 @@ TEST(AnytimePlan, AlwaysPlansAFraction) {
       ASSERT_EQ(strata.back().end, 100u);
     }
     for (const std::int64_t budget_ns : {kLongAgo, std::int64_t{0}, kMillisecond, kNever}) {
-      for (const double keep : {0.0, 1e-300, 1.0}) {
+      for (const double gamma : {0.0, 1e-300, 1.0}) {
         for (const std::int64_t start_ns : {std::int64_t{-9'200'000'000'000'000'000},
                                             std::int64_t{0}, 9'200'000'000'000'000'000}) {
-          AnytimePlan plan(with_fixed_cost(event_ns, within(budget_ns, 6400, event_ns, keep)),
+          AnytimePlan plan(with_fixed_cost(event_ns, within(budget_ns, 6400, event_ns, gamma)),
                            start_ns, kMillisecond);
           for (std::int64_t j = 0; j < 16; ++j) {
-            const double fraction = plan.next(start_ns + j % 3, j % 2 == 0 ? 0 : 400).keep;
+            const double fraction = plan.next(start_ns + j % 3, j % 2 == 0 ? 0 : 400).gamma;
             ASSERT_GE(fraction, 0.0);
             ASSERT_LE(fraction, 1.0);
           }

@@ -27,8 +27,9 @@ constexpr std::int64_t kMicrosecond = 1000;
 constexpr std::int64_t kMillisecond = 1'000'000;
 constexpr std::int64_t kBound_ns = 10 * kMillisecond;
 
-Decision within(std::int64_t budget_ns, std::size_t raw, double event_ns = 0.0, double keep = 1.0) {
-  Decision decision = Decision::take(raw, keep);
+Decision within(std::int64_t budget_ns, std::size_t raw, double event_ns = 0.0,
+                double gamma = 1.0) {
+  Decision decision = Decision::take(raw, gamma);
   decision.budget_ns = budget_ns;
   decision.event_ns = event_ns;
   return decision;

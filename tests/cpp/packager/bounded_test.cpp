@@ -21,8 +21,8 @@ using test::ScriptedScheme;
 constexpr std::size_t kMax = 100;
 constexpr std::size_t kUnbounded = std::numeric_limits<std::size_t>::max();
 
-Decision within_a_ms(std::size_t raw, double keep, double event_ns) {
-  Decision decision = Decision::take(raw, keep);
+Decision within_a_ms(std::size_t raw, double gamma, double event_ns) {
+  Decision decision = Decision::take(raw, gamma);
   decision.budget_ns = 1'000'000;
   decision.event_ns = event_ns;
   return decision;

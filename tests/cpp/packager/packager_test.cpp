@@ -54,8 +54,8 @@ struct Rig : test::PackagerRig {
   Events last;  // events of the package delivered last
 };
 
-ScriptedScheme taking(std::size_t raw, double keep = 1.0) {
-  return ScriptedScheme([=](const Backlog&) { return Decision::take(raw, keep); });
+ScriptedScheme taking(std::size_t raw, double gamma = 1.0) {
+  return ScriptedScheme([=](const Backlog&) { return Decision::take(raw, gamma); });
 }
 
 // ---- what a package and its row say
@@ -274,8 +274,8 @@ TEST(Packager, TakesAtLeastOneAndAtMostWhatWaits) {
 }
 
 TEST(Packager, KeepsAllForAGammaThatIsNone) {
-  for (const double keep : {kNaN, 2.0, std::numeric_limits<double>::infinity()}) {
-    ScriptedScheme scheme = taking(5, keep);
+  for (const double gamma : {kNaN, 2.0, std::numeric_limits<double>::infinity()}) {
+    ScriptedScheme scheme = taking(5, gamma);
     Rig rig(scheme);
     rig.push(evenly_spaced(5, 1));
     const auto package = rig.deliver(0);
@@ -283,8 +283,8 @@ TEST(Packager, KeepsAllForAGammaThatIsNone) {
     EXPECT_EQ(rig.last.size(), 5u);
     EXPECT_EQ(package->gamma, 1.0);
   }
-  for (const double keep : {-1.0, -std::numeric_limits<double>::infinity()}) {
-    ScriptedScheme scheme = taking(5, keep);
+  for (const double gamma : {-1.0, -std::numeric_limits<double>::infinity()}) {
+    ScriptedScheme scheme = taking(5, gamma);
     Rig rig(scheme);
     rig.push(evenly_spaced(5, 1));
     EXPECT_FALSE(rig.deliver(0));
@@ -456,7 +456,7 @@ TEST(Packager, KeepsItsPromisesUnderNonsense) {
                       .until_count = some(16),
                       .stale = bits % 7 == 0 ? some(24) : 0,
                       .raw = some(32),
-                      .keep = keeps[(bits >> 40) % 6]};
+                      .gamma = keeps[(bits >> 40) % 6]};
     });
     keeps_its_promises(scheme, seed, 1 + seed * seed, true);
   }

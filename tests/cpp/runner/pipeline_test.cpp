@@ -695,8 +695,8 @@ TEST(Pipeline, TheGapIsThatOfTheEventsBetweenDeliveredOnes) {
       std::uint64_t draws = 0;
       const auto below = [&](std::size_t end) { return random(draws++) % end; };
       test::ScriptedScheme scheme([&](const Backlog& backlog) {
-        const double keep = below(2) == 0 ? 1.0 : static_cast<double>(below(10)) / 10;
-        Decision decision = Decision::take(1 + below(backlog.count), keep);
+        const double gamma = below(2) == 0 ? 1.0 : static_cast<double>(below(10)) / 10;
+        Decision decision = Decision::take(1 + below(backlog.count), gamma);
         if (seed % 3 == 0 && below(3) == 0) decision.stale = below(backlog.count);
         return decision;
       });

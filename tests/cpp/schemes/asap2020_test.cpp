@@ -66,7 +66,7 @@ TEST(Asap2020, FollowsTheLawOverRandomOutcomes) {
                         static_cast<double>(span_ns) * 1e-9);
       const Decision decision = wish(scheme);
       ASSERT_TRUE(decision.takes);
-      ASSERT_NEAR(decision.keep, law.gamma, 1e-9 * law.gamma);
+      ASSERT_NEAR(decision.gamma, law.gamma, 1e-9 * law.gamma);
       // Rounding may differ by one kept event, doubled at most once, and 1 / gamma raw ones for
       // each.
       ASSERT_NEAR(static_cast<double>(decision.raw), law.n_set / law.gamma, 1 + 2 / law.gamma)
@@ -84,7 +84,7 @@ TEST(Asap2020, GammaFallsAboveTheRateBoundAndRecovers) {
                     .span_ns = std::llround(span_ns),
                     .start_ns = 0,
                     .processing_ns = std::llround(span_ns)});
-    return wish(scheme).keep;
+    return wish(scheme).gamma;
   };
   EXPECT_DOUBLE_EQ(observe_rate(1e6), 1.0);
   EXPECT_DOUBLE_EQ(observe_rate(4e6), 0.25);

@@ -144,8 +144,8 @@ TEST(Asap2022, FollowsTheLawOverRandomStreams) {
       ASSERT_TRUE(decision.takes);
       const auto raw = static_cast<double>(decision.raw);
       ASSERT_NEAR(raw, law.raw(), 1 + 1e-6 * raw) << "package " << k;
-      ASSERT_NEAR(decision.keep * raw, law.size, 1 + 1e-6 * raw) << "package " << k;
-      min = std::fmin(min, decision.keep);
+      ASSERT_NEAR(decision.gamma * raw, law.size, 1 + 1e-6 * raw) << "package " << k;
+      min = std::fmin(min, decision.gamma);
       const auto processing_ns =
           static_cast<std::int64_t>(std::pow(10.0, 5 + 0.7 * random.uniform(3 * k + 1)));
       scheme.observe({.size = decision.raw / 2,
@@ -178,7 +178,7 @@ double kept_at(double rate, std::size_t size, double seconds) {
     const auto taken = static_cast<double>(decision.raw);
     if (now_s > 0.3 * seconds) {
       raw += taken;
-      kept += taken * decision.keep;
+      kept += taken * decision.gamma;
     }
     now_s += taken / rate * (0.9 + 0.2 * random.uniform(k));
     observe(scheme, decision.raw, 1);  // the fastest algorithm: size min_size, gamma up to 1
@@ -203,7 +203,7 @@ TEST(Asap2022, TakesAtMostItsSizeAndWaitsForItUnlessDue) {
   EXPECT_EQ(scheme.decide(FakeBacklog::of(3).at(0)).raw, 3u);
   EXPECT_EQ(scheme.decide(FakeBacklog::of(9).at(0)).raw, 3u);  // the rest waits
   EXPECT_EQ(scheme.decide(FakeBacklog::of(9).at(0, true)).raw, 3u);
-  EXPECT_EQ(scheme.decide(FakeBacklog::of(9).at(0)).keep, 1.0);
+  EXPECT_EQ(scheme.decide(FakeBacklog::of(9).at(0)).gamma, 1.0);
 }
 
 // notebooks/theory.md, 12 (5): without feedback the node's gamma was 0, later NaN for good.
@@ -213,13 +213,13 @@ TEST(Asap2022, NoFeedbackDoesNotLockIt) {
   double kept = 0;
   for (int k = 0; k < 3000; ++k) {
     const Decision decision = wish(scheme, now_ns, now_ns + kMillisecond);
-    kept += decision.keep;
+    kept += decision.gamma;
     scheme.observe({.size = 0, .raw = 1000, .span_ns = 0, .start_ns = now_ns, .processing_ns = 0});
     now_ns += kMillisecond;
   }
   EXPECT_GT(kept, 1500.0);
   const Decision decision = wish(scheme, now_ns, now_ns);
-  EXPECT_NEAR(static_cast<double>(decision.raw) * decision.keep, 1000.0, 1.0);
+  EXPECT_NEAR(static_cast<double>(decision.raw) * decision.gamma, 1000.0, 1.0);
 }
 
 // 501 containers on one stamp would make r infinite, and gamma NaN for good.
@@ -228,12 +228,12 @@ TEST(Asap2022, AFloodOnOneStampPasses) {
   const auto take = [&](std::int64_t now_ns) {
     const Decision decision = wish(scheme, now_ns, now_ns);
     observe(scheme, decision.raw, 1);
-    return decision.keep;
+    return decision.gamma;
   };
   for (int k = 0; k < 20'000; ++k) {
-    const double keep = take(0);
-    ASSERT_GE(keep, 0.0);
-    ASSERT_LE(keep, 1.0);
+    const double gamma = take(0);
+    ASSERT_GE(gamma, 0.0);
+    ASSERT_LE(gamma, 1.0);
   }
   double kept = 0;
   for (std::int64_t k = 1; k <= 20'000; ++k) kept += take(100'000 * k);

@@ -54,7 +54,7 @@ Decision decide(DeadBeat& scheme, std::size_t count, std::int64_t age_ns) {
 }
 
 double size_of(const Decision& decision) {
-  return decision.keep * static_cast<double>(decision.raw);
+  return decision.gamma * static_cast<double>(decision.raw);
 }
 
 TEST(DeadBeat, DoubtsAFixedCostThatRulesTheBoundOut) {
@@ -62,7 +62,7 @@ TEST(DeadBeat, DoubtsAFixedCostThatRulesTheBoundOut) {
     DeadBeat doubts = trained({.latency = 390us}, execution, 403);  // 1024 events last: late
     const Decision one = decide(doubts, 100, kMs / 10);
     EXPECT_EQ(one.raw, 1u);
-    EXPECT_EQ(one.keep, 1.0);
+    EXPECT_EQ(one.gamma, 1.0);
     DeadBeat believes = trained({.latency = 405us}, execution, 403);
     EXPECT_GT(decide(believes, 100, kMs / 10).raw, 1u);
   }
@@ -73,7 +73,7 @@ TEST(DeadBeat, TakesAllThatWaitsWhileItFits) {
   const Decision decision = decide(scheme, 10'000, 2 * kMs);
   EXPECT_TRUE(decision.takes);
   EXPECT_EQ(decision.raw, 10'000u);
-  EXPECT_EQ(decision.keep, 1.0);
+  EXPECT_EQ(decision.gamma, 1.0);
   EXPECT_EQ(decision.stale, 0u);
   EXPECT_EQ(decision.budget_ns, 5 * kMs);
   EXPECT_NEAR(decision.fixed_ns, kAlphaNs, 1e-3);

@@ -137,7 +137,7 @@ Decision decide(Deadline& scheme, const FakeBacklog& events, std::int64_t interv
 }
 
 double size_of(const Decision& decision) {
-  return decision.keep * static_cast<double>(decision.raw);
+  return decision.gamma * static_cast<double>(decision.raw);
 }
 
 double budget_ms(const Decision& decision) { return static_cast<double>(decision.budget_ns) / 1e6; }
@@ -154,7 +154,7 @@ TEST(Deadline, DoubtsAFixedCostThatNoOtherSizeTells) {
     end_late(doubts, 16);
     const Decision one = decide(doubts, evenly(100, 50 * kUs));
     EXPECT_EQ(one.raw, 1u);
-    EXPECT_EQ(one.keep, 1.0);
+    EXPECT_EQ(one.gamma, 1.0);
     observe(doubts, 1, 1, kAlphaNs);  // so it is, and the sizes tell it now
     end_late(doubts, 40);
     EXPECT_GT(decide(doubts, evenly(100, 50 * kUs)).raw, 1u);
@@ -191,12 +191,12 @@ TEST(Deadline, TakesAllThatFits) {
   Deadline scheme = trained();
   const Decision decision = decide(scheme, evenly(10'000, 3 * kMs));
   EXPECT_EQ(decision.raw, 10'000u);
-  EXPECT_EQ(decision.keep, 1.0);
+  EXPECT_EQ(decision.gamma, 1.0);
   EXPECT_NEAR(budget_ms(decision), 7.0, 1e-6);  // until the oldest is L old
   EXPECT_NEAR(decision.fixed_ns, kAlphaNs, 1e-3);
   EXPECT_NEAR(decision.event_ns, kBetaNs, 1e-3);
   // 100 us and 23'000 x 300 ns are 7 ms.
-  EXPECT_EQ(decide(scheme, evenly(22'999, 3 * kMs)).keep, 1.0);
+  EXPECT_EQ(decide(scheme, evenly(22'999, 3 * kMs)).gamma, 1.0);
   EXPECT_LT(size_of(decide(scheme, evenly(23'010, 3 * kMs))), 23'010);
 }
 
@@ -211,7 +211,7 @@ TEST(Deadline, DropsWhatHasNoChanceAndTakesTheRest) {
   const Decision decision = decide(scheme, events);
   EXPECT_EQ(decision.stale, 2u);
   EXPECT_EQ(decision.raw, 2u);
-  EXPECT_EQ(decision.keep, 1.0);
+  EXPECT_EQ(decision.gamma, 1.0);
 }
 
 TEST(Deadline, NoPackageIsShorterThanTheInterval) {
@@ -393,7 +393,7 @@ TEST(Deadline, AWholePackageIsNoLargerThanIsSafe) {
   const Decision decision = decide(scheme, crowd);
   const double room_ns = 9.95e6 - 4e6;  // planned short for sigma = 0.15, and zeta = 1.45
   EXPECT_EQ(decision.raw, 1 + static_cast<std::size_t>(room_ns / 1.45 / 50'300));
-  EXPECT_EQ(decision.keep, 1.0);
+  EXPECT_EQ(decision.gamma, 1.0);
   observe(scheme, decision.raw, decision.raw, 100e3 + 300 * static_cast<double>(decision.raw));
   EXPECT_GT(decide(scheme, crowd).raw, 1500u);
 }

@@ -32,7 +32,7 @@ TEST(FixedSize, TakesTheOldestAsSoonAsEnoughWait) {
     EXPECT_EQ(decision.takes, row.takes) << row.count;
     if (row.takes) {
       EXPECT_EQ(decision.raw, row.raw) << row.count;
-      EXPECT_EQ(decision.keep, 1.0);
+      EXPECT_EQ(decision.gamma, 1.0);
       EXPECT_EQ(decision.stale, 0u);
     } else {
       EXPECT_EQ(decision.until_count, 3u);
@@ -68,7 +68,7 @@ TEST(FixedTime, CutsABacklogWhereItWouldHaveBeenCutOnArrival) {
   const Decision decision = scheme.decide(backlog.at(9'000'000));
   EXPECT_TRUE(decision.takes);
   EXPECT_EQ(decision.raw, 2u);
-  EXPECT_EQ(decision.keep, 1.0);
+  EXPECT_EQ(decision.gamma, 1.0);
 }
 
 TEST(FixedTime, WhenDueTakesThePartOfThePeriodThatIsThere) {
@@ -90,7 +90,7 @@ TEST(SingleEvent, TakesOneAtOnce) {
       const Decision decision = scheme.decide(backlog.at(0, due));
       EXPECT_TRUE(decision.takes);
       EXPECT_EQ(decision.raw, 1u);
-      EXPECT_EQ(decision.keep, 1.0);
+      EXPECT_EQ(decision.gamma, 1.0);
       EXPECT_EQ(decision.stale, 0u);
     }
   }

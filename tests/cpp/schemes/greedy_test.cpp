@@ -22,7 +22,7 @@ TEST(Greedy, TakesAllThatWaitsAtOnce) {
       const Decision decision = scheme.decide(backlog.at(0, due));
       EXPECT_TRUE(decision.takes);
       EXPECT_EQ(decision.raw, count);
-      EXPECT_EQ(decision.keep, 1.0);
+      EXPECT_EQ(decision.gamma, 1.0);
       EXPECT_EQ(decision.stale, 0u);
     }
     observe(scheme, count, 1'000'000);
@@ -37,7 +37,7 @@ TEST(Greedy, TheEfficiencyCapsThePackage) {
       const Decision decision = scheme.decide(FakeBacklog::of(10'000).at(0, due));
       EXPECT_TRUE(decision.takes);
       EXPECT_EQ(decision.raw, cap);
-      EXPECT_EQ(decision.keep, 1.0);
+      EXPECT_EQ(decision.gamma, 1.0);
       EXPECT_EQ(decision.stale, 0u);
     }
     EXPECT_EQ(scheme.decide(FakeBacklog::of(cap).at(0)).raw, cap);

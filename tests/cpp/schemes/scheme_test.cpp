@@ -55,14 +55,14 @@ std::vector<double> decisions(Scheme& scheme, std::uint64_t seed) {
     if (decision.takes) {
       EXPECT_GE(decision.raw + decision.stale, 1u) << seed;
       EXPECT_LE(decision.raw + decision.stale, backlog.count);
-      EXPECT_TRUE(decision.keep >= 0.0 && decision.keep <= 1.0);
+      EXPECT_TRUE(decision.gamma >= 0.0 && decision.gamma <= 1.0);
       EXPECT_GE(decision.budget_ns, 1);
       EXPECT_TRUE(std::isfinite(decision.event_ns));
     } else {
       EXPECT_FALSE(backlog.due);
       EXPECT_TRUE(decision.until_ns > kNow || decision.until_count > backlog.count);
     }
-    numbers.push_back(static_cast<double>(decision.raw) * decision.keep);
+    numbers.push_back(static_cast<double>(decision.raw) * decision.gamma);
     numbers.push_back(static_cast<double>(decision.budget_ns));
     const bool is_absurd = random(draws++) % 4 == 0;
     scheme.observe({.size = static_cast<std::size_t>(power(12)) - 1,

@@ -84,7 +84,7 @@ inline SteadyRun run_steady(Scheme& scheme, Execution execution, double events_p
     if (decision.raw == 0) continue;
     const Law law = cost(run.packages);
     const auto raw = static_cast<double>(decision.raw);
-    double size = decision.keep * raw;
+    double size = decision.gamma * raw;
     if (execution == Execution::anytime) {
       const auto budget_ns = static_cast<double>(decision.budget_ns);
       size = std::min(raw, std::max(1.0, (budget_ns - law.alpha_ns) / law.beta_ns));

@@ -63,8 +63,8 @@ TYPED_TEST(EveryRival, IsNotWedgedByAbsurdOutcomesAndForgetsThemWithAReset) {
       const Decision decision = scheme.decide(backlog.at(kNow, true));
       ASSERT_TRUE(decision.takes);
       ASSERT_GE(decision.raw + decision.stale, 1u);
-      ASSERT_GT(decision.keep, 0.0);
-      ASSERT_LE(decision.keep, 1.0);
+      ASSERT_GT(decision.gamma, 0.0);
+      ASSERT_LE(decision.gamma, 1.0);
       ASSERT_GT(gamma(), 0.0);
       ASSERT_LE(gamma(), 1.0);
     }
@@ -73,7 +73,7 @@ TYPED_TEST(EveryRival, IsNotWedgedByAbsurdOutcomesAndForgetsThemWithAReset) {
   const Decision again = scheme.decide(backlog.at(kNow, true));
   EXPECT_EQ(again.raw, first.raw);
   EXPECT_EQ(again.stale, first.stale);
-  EXPECT_EQ(again.keep, first.keep);
+  EXPECT_EQ(again.gamma, first.gamma);
   EXPECT_EQ(gamma(), first_gamma);
 }
 
@@ -82,7 +82,7 @@ TYPED_TEST(EveryRival, IsNotWedgedByAbsurdOutcomesAndForgetsThemWithAReset) {
 std::size_t limit(ClipperAimd& scheme) {
   const Decision decision = scheme.decide(FakeBacklog::of(1000).at(0));
   EXPECT_TRUE(decision.takes);
-  EXPECT_EQ(decision.keep, 1.0);
+  EXPECT_EQ(decision.gamma, 1.0);
   EXPECT_EQ(decision.stale, 0u);
   return decision.raw;
 }
@@ -122,7 +122,7 @@ TEST(GreedyClear, TakesAllThatWaitsUpToHalfTheBound) {
     EXPECT_TRUE(decision.takes);
     EXPECT_EQ(decision.stale, 0u);
     EXPECT_EQ(decision.raw, 4u);
-    EXPECT_EQ(decision.keep, 1.0);
+    EXPECT_EQ(decision.gamma, 1.0);
   }
 }
 
@@ -222,7 +222,7 @@ TEST(JaerTimer, StopsWhenTheTimerHasRun) {
     EXPECT_TRUE(decision.takes);
     EXPECT_EQ(decision.stale, 0u);
     EXPECT_EQ(decision.raw, std::min<std::size_t>(count, 16'333));
-    EXPECT_EQ(decision.keep, 1.0);
+    EXPECT_EQ(decision.gamma, 1.0);
   }
 }
 
@@ -291,7 +291,7 @@ TEST(SparkPid, ClosesAtMultiplesOfHalfTheBound) {
     const Decision decision = scheme.decide(backlog.at(now_ns));
     EXPECT_TRUE(decision.takes);
     EXPECT_EQ(decision.raw, 2u);  // the batches that have queued stay apart
-    EXPECT_EQ(decision.keep, 1.0);
+    EXPECT_EQ(decision.gamma, 1.0);
   }
   EXPECT_EQ(scheme.decide(FakeBacklog({-1}).at(-1)).until_ns, 0);
   EXPECT_EQ(scheme.decide(FakeBacklog({0}).at(0)).until_ns, kPeriod);
@@ -299,34 +299,34 @@ TEST(SparkPid, ClosesAtMultiplesOfHalfTheBound) {
 
 TEST(SparkPid, ThinsToWhatTheAlgorithmAchieved) {
   SparkPid scheme(10ms);
-  EXPECT_EQ(ask(scheme, 0, 8000, kPeriod).keep, 1.0);
+  EXPECT_EQ(ask(scheme, 0, 8000, kPeriod).gamma, 1.0);
   complete(scheme, 8000, kPeriod, 2'000'000);  // v = 4 per us: 20'000 per T, the first q
-  EXPECT_DOUBLE_EQ(ask(scheme, 1, 40'000, 2 * kPeriod).keep, 0.5);
+  EXPECT_DOUBLE_EQ(ask(scheme, 1, 40'000, 2 * kPeriod).gamma, 0.5);
   EXPECT_EQ(ask(scheme, 1, 40'000, 2 * kPeriod).raw, 40'000u);
-  EXPECT_EQ(ask(scheme, 1, 20'000, 2 * kPeriod).keep, 1.0);
+  EXPECT_EQ(ask(scheme, 1, 20'000, 2 * kPeriod).gamma, 1.0);
   complete(scheme, 1000, 2 * kPeriod, 1'000'000);  // without a wait q is v: 1 per us
-  EXPECT_DOUBLE_EQ(ask(scheme, 2, 40'000, 3 * kPeriod).keep, 0.125);
+  EXPECT_DOUBLE_EQ(ask(scheme, 2, 40'000, 3 * kPeriod).gamma, 0.125);
   complete(scheme, 12'000, 3 * kPeriod + 2'500'000, 2'000'000);
   // v = 6 per us, waited for T/2: q = 6 - 0.1 x 6.
-  EXPECT_DOUBLE_EQ(ask(scheme, 3, 40'000, 4 * kPeriod).keep, 5.4 * 5000 / 40'000);
+  EXPECT_DOUBLE_EQ(ask(scheme, 3, 40'000, 4 * kPeriod).gamma, 5.4 * 5000 / 40'000);
   complete(scheme, 4000, 8 * kPeriod, 1'000'000);  // waited for 4 T: q = 4 - 0.8 x 4
-  EXPECT_DOUBLE_EQ(ask(scheme, 9, 40'000, 10 * kPeriod).keep, 0.8 * 5000 / 40'000);
+  EXPECT_DOUBLE_EQ(ask(scheme, 9, 40'000, 10 * kPeriod).gamma, 0.8 * 5000 / 40'000);
   complete(scheme, 4000, 16 * kPeriod, 1'000'000);  // waited for 6 T: at least 0.05 v
-  EXPECT_DOUBLE_EQ(ask(scheme, 18, 40'000, 19 * kPeriod).keep, 0.2 * 5000 / 40'000);
+  EXPECT_DOUBLE_EQ(ask(scheme, 18, 40'000, 19 * kPeriod).gamma, 0.2 * 5000 / 40'000);
 }
 
 // A push law would have thinned a batch when it closed, however long it has queued since.
 TEST(SparkPid, ABatchKnowsOnlyWhatWasKnownWhenItClosed) {
   SparkPid scheme(10ms);
   ask(scheme, 0, 10'000, kPeriod);
-  complete(scheme, 10'000, kPeriod, 12'000'000);            // until 17 ms
-  EXPECT_EQ(ask(scheme, 1, 10'000, 17'000'000).keep, 1.0);  // closed at 10 ms, nothing known
-  complete(scheme, 10'000, 17'000'000, 3'000'000);          // until 20 ms
-  EXPECT_EQ(ask(scheme, 2, 10'000, 20'000'000).keep, 1.0);  // closed at 15 ms
-  complete(scheme, 10'000, 20'000'000, 2'000'000);          // until 22 ms
+  complete(scheme, 10'000, kPeriod, 12'000'000);             // until 17 ms
+  EXPECT_EQ(ask(scheme, 1, 10'000, 17'000'000).gamma, 1.0);  // closed at 10 ms, nothing known
+  complete(scheme, 10'000, 17'000'000, 3'000'000);           // until 20 ms
+  EXPECT_EQ(ask(scheme, 2, 10'000, 20'000'000).gamma, 1.0);  // closed at 15 ms
+  complete(scheme, 10'000, 20'000'000, 2'000'000);           // until 22 ms
   // Closed at 20 ms, with the second package: 10 / 3 per us after a wait of 1.4 T.
   const double q = 10e3 / 3e6 * (1 - 0.2 * 1.4);
-  EXPECT_DOUBLE_EQ(ask(scheme, 3, 40'000, 22'000'000).keep, q * kPeriod / 40'000);
+  EXPECT_DOUBLE_EQ(ask(scheme, 3, 40'000, 22'000'000).gamma, q * kPeriod / 40'000);
 }
 
 }  // namespace

@@ -117,10 +117,10 @@ struct Decision {
   std::size_t until_count = std::numeric_limits<std::size_t>::max();
   std::size_t stale = 0;  // oldest raw events to throw away first
   std::size_t raw = 0;    // then the oldest raw events to take ...
-  double keep = 1.0;      // ... and the fraction of them to keep
-  // Anytime execution: the package is to end budget_ns after its start, and `keep` is only the
+  double gamma = 1.0;     // ... and the fraction of them to keep
+  // Anytime execution: the package is to end budget_ns after its start, and `gamma` is only the
   // plan; it is expected to cost fixed_ns and event_ns per event, and no event more than
-  // max_event_ns. Without a budget, and where the execution is `whole`, `keep` holds.
+  // max_event_ns. Without a budget, and where the execution is `whole`, `gamma` holds.
   std::int64_t budget_ns = kNever;
   double fixed_ns = 0.0;
   double event_ns = 0.0;
@@ -132,8 +132,8 @@ struct Decision {
   static constexpr Decision wait_for(std::size_t count) noexcept {
     return {.takes = false, .until_count = count};
   }
-  static constexpr Decision take(std::size_t raw, double keep = 1.0) noexcept {
-    return {.takes = true, .raw = raw, .keep = keep};
+  static constexpr Decision take(std::size_t raw, double gamma = 1.0) noexcept {
+    return {.takes = true, .raw = raw, .gamma = gamma};
   }
   // Throws the oldest events away; the scheme is asked again about the rest.
   static constexpr Decision drop(std::size_t stale) noexcept {
