@@ -101,8 +101,13 @@ def test_objects_are_judged_where_a_tracker_has_them():
 
         def clusters_at(self, t_us):
             x = 50 + 200 * t_us * 1e-6
-            rows = [(1, x, 50, 4, 0, 0.5), (2, x + 5, 50, 9, 0, 9), (3, 200, 200, 9, 0, 9)]
-            fields = [("id", int), *((name, float) for name in ("x", "y", "pxx", "pxy", "pyy"))]
+            rows = [
+                (2, 8, x + 5, 50, 9, 0, 9),
+                (1, 9, x, 50, 4, 0, 0.5),
+                (3, 99, 200, 200, 9, 0, 9),
+            ]
+            names = ("x", "y", "pxx", "pxy", "pyy")
+            fields = [("id", int), ("size", int), *((name, float) for name in names)]
             return np.array(rows, fields)
 
         @property
@@ -113,8 +118,8 @@ def test_objects_are_judged_where_a_tracker_has_them():
             fields = [("id", int), ("x", float), ("y", float)]
             return np.array([(7, 52 + 200 * t_us * 1e-6, 50)], fields)
 
-        def members(self, id):
-            return np.array({7: [1, 2]}[id])
+        def to_objects(self, labels):
+            return np.where(np.isin(labels, [1, 2]), 7, -1)
 
     tracker = Grouping(None, ids=lambda events: 1 + np.arange(events.size) % 3)
     found = score(tracker, scene)

@@ -47,9 +47,9 @@ def score(
         ``clusters_at(t_us)`` or ``clusters``, a structured array with id, x, y and, as far as it
         knows them, vx, vy, t_last and the covariance pxx, pxy, pyy of the position's error; its
         ``process`` may return the id of each event, -1 for none. Where it has objects with
-        ``members(id)``, these are judged, and clusters by the object that they are a part of. An
-        algorithm without clusters whose ``process`` returns a bool for each event is a corner
-        detector.
+        ``to_objects(labels)``, these are judged, and clusters by the object that they are a part
+        of. An algorithm without clusters whose ``process`` returns a bool for each event is a
+        corner detector.
     scene : Scene
         Such as ``scenes.A()``: events, labels (-1 = noise), truth(t_us), width, height; for a
         corner detector also vertices(t_us). Or a recording with boxes, such as

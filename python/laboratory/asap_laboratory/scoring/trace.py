@@ -286,26 +286,22 @@ def snapshot_at(tracker: Any, t_us: int) -> Snapshot:
 
 
 def _groups(tracker: Any) -> bool:
-    """Whether a tracker tells which clusters an object has."""
-    return hasattr(tracker, "objects") and hasattr(tracker, "members")
+    """Whether a tracker tells which object a cluster is a part of."""
+    return hasattr(tracker, "objects") and hasattr(tracker, "to_objects")
 
 
 def _heaviest(tracker: Any, objects: list[int], t_us: int) -> NDArray[np.void]:
     """Return the cluster of each object that it has its position from."""
     clusters = np.asarray(tracker.clusters_at(t_us))
-    row_of = {id: row for row, id in enumerate(clusters["id"].tolist())}
-    members = (tracker.members(id).tolist() for id in objects)
-    return clusters[[next(row_of[one] for one in some if one in row_of) for some in members]]
+    clusters = clusters[np.argsort(-clusters["size"], kind="stable")]
+    owners = tracker.to_objects(clusters["id"].astype(np.int32)).tolist()
+    return clusters[[owners.index(id) for id in objects]]
 
 
 def _ids_of_objects(tracker: Any, ids: NDArray[Any], objects: list[int]) -> NDArray[np.int64]:
     """Put the id of its object for the id of each cluster; -1 for a cluster without."""
-    object_of = {NOISE: NOISE}
-    for id in objects:
-        object_of.update(dict.fromkeys(tracker.members(id).tolist(), id))
-    clusters, at = np.unique(ids, return_inverse=True)
-    names = [object_of.get(one, NOISE) for one in clusters.tolist()]
-    return np.array(names, np.int64)[at]
+    owners = np.asarray(tracker.to_objects(ids.astype(np.int32)), np.int64)
+    return np.where(np.isin(owners, objects), owners, NOISE)
 
 
 def _columns(table: NDArray[np.void], *names: str) -> NDArray[np.float64]:
