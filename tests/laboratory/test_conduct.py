@@ -221,6 +221,17 @@ def test_command_prints_and_writes(command, tmp_path, capsys):
     assert document["taken_from_file"] == 2 and len(document["tables"]["counts"]) == 3
 
 
+def test_all_pages_are_those_of_every_study_and_the_figures(command, tmp_path, monkeypatch):
+    pytest.importorskip("matplotlib")
+    for name in [*STUDIES][1:]:
+        monkeypatch.delitem(STUDIES, name)
+    assert command("--all-pages") == 0
+    written = {path.name for path in (tmp_path / "out").iterdir()}
+    assert {"counts.md", "schemes.svg", "scene_A.svg"} <= written
+    assert "--full" in (tmp_path / "out" / "counts.md").read_text()
+    assert command("--all-pages", "--json") == 2
+
+
 def test_command_ends_with_1_where_a_goal_is_missed_and_makes_the_page_anew(command, tmp_path):
     assert command() == 0
     (tmp_path / "out" / "data" / "counts_goals.csv").write_text("goal,holds\nG,False\nH,\n")

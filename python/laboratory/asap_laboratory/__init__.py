@@ -10,13 +10,15 @@ every scheme and rival over profiles and costs, judged by goals ("study"); `Dead
 over bounds and disturbed costs ("bounds"); the algorithms' scores
 over scenes and the kept fraction ("accuracy"); the cluster tracker beside its rivals ("rivals");
 every consumer on one stream that overloads the slow ones ("ladder"); the simulator beside this
-machine's clock ("realtime"). `asap_laboratory.real` makes one of recordings with boxes.
+machine's clock ("realtime"); processor time over latency ("cpu_share"). `asap_laboratory.real`
+makes one of recordings with boxes.
 """
 
 from asap_laboratory import profiles, scenes
 from asap_laboratory.accuracy import ACCURACY
 from asap_laboratory.bounds import BOUNDS
 from asap_laboratory.clairvoyant import exact_oracle
+from asap_laboratory.cpu_share import CPU_SHARE
 from asap_laboratory.ladder import LADDER
 from asap_laboratory.realtime import REALTIME
 from asap_laboratory.rivals import RIVALS_STUDY
@@ -26,7 +28,8 @@ from asap_laboratory.scoring import KeepCurve, keep_curve, score
 from asap_laboratory.study import Study, conduct
 
 STUDIES = {
-    study.name: study for study in (SCHEMES, BOUNDS, ACCURACY, RIVALS_STUDY, LADDER, REALTIME)
+    study.name: study
+    for study in (SCHEMES, BOUNDS, ACCURACY, RIVALS_STUDY, LADDER, REALTIME, CPU_SHARE)
 }
 """By the name of its page."""
 

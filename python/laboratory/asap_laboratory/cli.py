@@ -31,6 +31,7 @@ _KINDS = {
     "rivals": "the cluster tracker beside its rivals instead",
     "ladder": "every consumer under every scheme instead",
     "realtime": "the simulator beside this machine's clock instead",
+    "cpu_share": "processor time of Deadline over latency instead",
 }
 
 
@@ -53,7 +54,9 @@ def _parser() -> argparse.ArgumentParser:
     )
     kind = parser.add_mutually_exclusive_group()
     for name, words in _KINDS.items():
-        kind.add_argument(f"--{name}", action="store_true", help=words)
+        kind.add_argument(f"--{name.replace('_', '-')}", action="store_true", help=words)
+    words = "all of these, the study with --full, and the figures of the users' pages instead"
+    kind.add_argument("--all-pages", action="store_true", help=words)
     words = (
         "the cluster tracker on recordings with boxes instead: their folders, or a folder of them"
     )
@@ -77,7 +80,26 @@ def _workers(text: str) -> int:
 
 
 def _conduct(arguments: Any) -> int:
-    study, form = _study(arguments), _form(arguments)
+    if arguments.all_pages:
+        return _all_pages(arguments)
+    return _one(_study(arguments), _form(arguments), arguments)
+
+
+def _all_pages(arguments: Any) -> int:
+    """Conduct every study for its page, and draw the figures. What is finished is not run again."""
+    from asap_laboratory import STUDIES, scene_pictures, scheme_figure
+
+    if arguments.json:
+        raise Failure(USAGE, "--json: says one study; leave it out with --all-pages")
+    form = _form(arguments)
+    forms = {"study": "full" if form == "default" else form}
+    codes = [_one(study, forms.get(name, form), arguments) for name, study in STUDIES.items()]
+    with writing(arguments.out):
+        print_written(*scene_pictures.write(arguments.out), scheme_figure.write(arguments.out))
+    return max(codes)
+
+
+def _one(study: Study, form: str, arguments: Any) -> int:
     if arguments.page:
         with usage(), writing(arguments.out):
             found = write(study, arguments.out)

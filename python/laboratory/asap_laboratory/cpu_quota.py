@@ -23,13 +23,14 @@ from asap.synthetic import FlightOverChairs
 from asap_laboratory.cpu_share import (
     ALPHA_US,
     BETA_NS,
+    COLUMNS,
+    CPU_SHARE,
     USUAL_OVERHEAD,
     Setting,
     figures,
     scheme,
-    table,
 )
-from asap_laboratory.page import Row, Rows
+from asap_laboratory.page import Row, Rows, Writer
 
 PERIOD_US = 10_000  # of the quota
 SETTINGS = (
@@ -130,7 +131,7 @@ def main(words: Sequence[str]) -> int:
     for share in shares:
         name = "no quota" if share is None else f"quota {share:.0%} of a core"
         try:
-            print(f"{name}\n\n{table(measure(share))}\n")
+            print(f"{name}\n\n{Writer(CPU_SHARE.cells).listing(measure(share), COLUMNS)}\n")
         except NoQuota as reason:
             print(reason, file=sys.stderr)
             return 3

@@ -1,13 +1,12 @@
 """The knob of a board with other work: processor share against latency on the flight scene.
 
 `Deadline` limits its share by `overhead` and `min_interval_ms`. Here both are swept, in virtual
-time. ``python -m asap_laboratory.cpu_share DIR`` writes ``cpu_share.md`` and ``cpu_share.svg``.
+time. The page [on your board] holds its table and its figure.
 """
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Generator, Mapping, Sequence
+from collections.abc import Generator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -15,8 +14,8 @@ from typing import Any
 from asap import _core, plots
 from asap.experiment import Run, simulate
 from asap.synthetic import FlightOverChairs
-from asap_laboratory.page import Row, Rows, Tables, Writer, over_seeds
-from asap_laboratory.study import Batch, Study, conduct
+from asap_laboratory.page import Row, Rows, Tables, over_seeds
+from asap_laboratory.study import Batch, Study
 
 LATENCY_MS = 10.0
 ALPHA_US, BETA_NS = 300.0, 200.0
@@ -123,7 +122,7 @@ COLUMNS = {
 }
 CPU_SHARE = Study(
     name="cpu_share",
-    command="python -m asap_laboratory.cpu_share",
+    command="asap-study --cpu-share",
     template=Path(__file__).with_suffix(".md"),
     batches=_batches,
     summary=_summary,
@@ -136,22 +135,5 @@ CPU_SHARE = Study(
     },
     figures=_figures,
     facts=lambda tables: {"columns": COLUMNS},
+    shown=lambda tables, writer: writer.listing(tables["cpu_share"], COLUMNS),
 )
-
-
-def table(rows: Rows) -> str:
-    """Write the rows as a Markdown table."""
-    return Writer(CPU_SHARE.cells).listing(rows, COLUMNS)
-
-
-def main(words: Sequence[str]) -> int:
-    """Measure, write the table and the figure into the folder; the exit code."""
-    if len(words) != 1:
-        print("usage: python -m asap_laboratory.cpu_share DIR", file=sys.stderr)
-        return 2
-    print(table(conduct(CPU_SHARE, words[0]).tables["cpu_share"]))
-    return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))

@@ -1,8 +1,7 @@
-"""Pictures of the page of scenes: ``python -m asap_laboratory.scene_pictures FOLDER``."""
+"""Pictures of the page of scenes."""
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 from asap import plots
@@ -23,7 +22,11 @@ def documented() -> list[tuple[Scene, float | None, float]]:
     ]
 
 
-if __name__ == "__main__":
+def write(folder: Path) -> list[Path]:
+    """Write a picture of each scene, and return the paths."""
+    paths = []
     for pictured, moment_ms, before_ms in documented():
-        picture = plots.svg(snapshot(pictured, moment_ms, window_ms=before_ms))
-        Path(sys.argv[1], f"scene_{pictured.name}.svg").write_text(picture, encoding="utf-8")
+        paths.append(folder / f"scene_{pictured.name}.svg")
+        drawn = plots.svg(snapshot(pictured, moment_ms, window_ms=before_ms))
+        paths[-1].write_text(drawn, encoding="utf-8")
+    return paths

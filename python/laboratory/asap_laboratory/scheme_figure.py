@@ -1,12 +1,10 @@
 """The figure of README: what each scheme does with one stream that grows, then bursts.
 
-Needs matplotlib: ``asap-events[report]``. ``python -m asap_laboratory.scheme_figure OUT.svg``
-simulates the stream and writes the figure. It is narrow, since half of its readers hold a phone.
+Needs matplotlib: ``asap-events[report]``. It is narrow, since half of its readers hold a phone.
 """
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -117,5 +115,8 @@ def _in_bins(run: Run, column: str, reduce: np.ufunc) -> tuple[Floats, Floats]:
     return bins * (_BIN_MS / 1e3), reduce.reduceat(slots[column].astype(np.float64), begins)
 
 
-if __name__ == "__main__":
-    Path(sys.argv[1]).write_text(plots.svg(draw(simulated())), encoding="utf-8")
+def write(folder: Path) -> Path:
+    """Write the figure, and return its path."""
+    path = folder / "schemes.svg"
+    path.write_text(plots.svg(draw(simulated())), encoding="utf-8")
+    return path
