@@ -1,5 +1,6 @@
 """Event files: which format it is, and the events in it, checked and in chunks."""
 
+from asap._order import Slice
 from asap.io.errors import (
     CorruptFile,
     LossWarning,
@@ -15,6 +16,7 @@ __all__ = [
     "LossWarning",
     "NoGoodEvent",
     "Recording",
+    "Slice",
     "TruncatedFileWarning",
     "UnsupportedFormat",
     "load",

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from asap import _checks, _core, _units, _values
-from asap._order import sorted_within, within
+from asap._order import Slice, by_count, by_time, sorted_within, within
 from asap._values import HEAD, Events, plain_view, unit_doubt
 from asap.io.errors import LossWarning, NoGoodEvent
 from asap.io.native import NativeReader
@@ -231,6 +231,52 @@ class Recording:
             until = "its end" if stop is None else f"{stop:g} s"
             words = f"no event from {start or 0:g} s to {until}; asap.info shows how long it lasts"
             warnings.warn(f"{self._path}: {words}", stacklevel=2)
+
+    def slices(self, *, ms: float | None = None, events: int | None = None) -> Iterator[Slice]:
+        """Read it in slices of `ms` milliseconds or of so many `events`; memory holds one of them.
+
+        Slices of time follow each other without a gap, as long as `ms`, also where no event came.
+        The first begins with the first event, or at `start`; the last is the one that has the last
+        event. A slice of events begins with its first event and ends 1 us after its last; the last
+        one may have fewer.
+
+        Parameters
+        ----------
+        ms
+            Length of a slice of time in ms, 0.001 at least. Where it is no whole number of us, the
+            edges are rounded to 1 us, not the length: 30 slices of ``1000 / 30`` last 1 s.
+        events
+            Events of a slice.
+
+        Yields
+        ------
+        Slice
+            A named tuple ``(begin_us, end_us, events)``: ``begin_us <= t < end_us``, and an array
+            of shape (n,) in ``EVENT_DTYPE``.
+
+        Raises
+        ------
+        ValueError
+            Neither or both are given, or one is out of its range.
+
+        Examples
+        --------
+        ::
+
+            for begin_us, end_us, events in asap.read("events.raw").slices(ms=10):
+                print(begin_us, len(events))
+        """
+        if (ms is None) == (events is None):
+            raise ValueError(f"ms = {ms}, events = {events}: one of them cuts. Give either")
+        if events is not None:
+            _checks.whole("events", events, 1, 2**40, "give the events of a slice")
+            return by_count(iter(self), int(events))
+        width_ms = _checks.number("ms", ms, 1e-3, 1e12, "give the length of a slice in ms")
+        return by_time(
+            iter(self),
+            1e3 * width_ms,
+            lambda first_us: first_us if self._window_us is None else self._window_us[0],
+        )
 
     def _read_into(self, room: Room) -> Iterator[Events]:
         """Read it once; its chunks are good until the next one."""
