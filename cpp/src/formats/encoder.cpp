@@ -1,9 +1,12 @@
 #include "asap/formats/encoder.hpp"
 
+#include <bit>
 #include <charconv>
+#include <cstring>
 #include <string_view>
 
 #include "core/check.hpp"
+#include "formats/words.hpp"
 
 namespace asap::inline v0_1 {
 
@@ -13,11 +16,9 @@ using State = Encoder::State;
 
 template <class Word>
 std::byte* put_little(std::byte* to, Word word) noexcept {
-  for (std::size_t i = 0; i < sizeof word; ++i) {
-    *to++ = static_cast<std::byte>(word & 0xff);
-    word = static_cast<Word>(word >> 8);
-  }
-  return to;
+  if constexpr (std::endian::native == std::endian::big) word = swap_bytes(word);
+  std::memcpy(to, &word, sizeof word);
+  return to + sizeof word;
 }
 
 std::uint32_t is_on(const Event& event) noexcept { return event.p > 0 ? 1 : 0; }
@@ -44,13 +45,16 @@ struct Evt3Format : Limits {
   static constexpr std::int64_t kMaxGap = std::int64_t{1} << 40;  // 12.7 days: 1 MB of marks
 
   static std::byte* put(State& state, const Event& event, std::byte* to) noexcept {
-    if (!state.started || event.t >> 12 != state.t >> 12) {
+    if (!state.started || event.t >> 12 != state.t >> 12) [[unlikely]] {
       to = put_time(state, event.t, to);
-    } else if (event.t != state.t) {
-      state.t = event.t;
-      to = put_word(to, kTimeLow, event.t & 0xfff);
     }
-    if (event.y != state.y) to = put_word(to, kAddrY, state.y = event.y);
+    // Each word is written, and only those that say something new are kept: no branch to guess.
+    put_word(to, kTimeLow, event.t & 0xfff);
+    to += event.t != state.t ? kWord : 0;
+    put_word(to, kAddrY, event.y);
+    to += event.y != state.y ? kWord : 0;
+    state.t = event.t;
+    state.y = event.y;
     return put_word(to, kAddrX, is_on(event) << 11 | event.x);
   }
 
@@ -60,6 +64,7 @@ struct Evt3Format : Limits {
 
  private:
   static constexpr std::uint32_t kAddrY = 0, kAddrX = 2, kTimeLow = 6, kTimeHigh = 8;
+  static constexpr std::ptrdiff_t kWord = 2;  // bytes
 
   static std::byte* put_word(std::byte* to, std::uint32_t type, std::int64_t payload) noexcept {
     return put_little(to, static_cast<std::uint16_t>(type << 12 | payload));
@@ -201,7 +206,7 @@ Progress Encoder::encode_as(std::span<const Event> events, std::span<std::byte> 
                 event->y <= Format::kMaxAddress;
     if constexpr (CountsTime<Format>) held = held && event->t - state.t <= Format::kMaxGap;
     if (!held) [[unlikely]] {
-      refuse<Format>(state, *event);
+      refuse<Format>(State(state), *event);  // a copy: state stays in registers
     }
     if constexpr (CountsTime<Format>) {
       if (event->t - state.t >= Format::kReach) [[unlikely]] {
