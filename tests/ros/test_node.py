@@ -172,7 +172,7 @@ def test_what_the_driver_lost_is_counted(peer: Any) -> None:
         ({"encoding": "evt2"}, "encoding = evt2: must be one of evt3, mono, dvs_msgs"),
         ({"latency_ms": 5000.0}, "feedback_timeout_ms = 1000: must be at least latency_ms = 5000"),
         ({"latency_ms": "10ms"}, "latency_ms = 10ms: must be a number"),
-        ({"latncy_ms": 5}, "latncy_ms = 5: the node has no such parameter"),
+        ({"latncy_ms": 5}, "latncy_ms = 5: the node has no such parameter; did you mean latency"),
         ({"seed": 1.5}, "seed = 1.5: must be a whole number between 0 and"),
         ({"queue": 0}, "queue = 0: must be a whole number between 1 and 100000"),
     ],
@@ -182,6 +182,15 @@ def test_a_node_with_bad_parameters_does_not_start(parameters: dict, reason: str
         code, said = node.end()
     assert code == 2
     assert reason in said
+
+
+def test_parameters_of_other_nodes_are_named_and_ignored(peer: Any) -> None:
+    with AsapNode(latency_ms=50, fps=30, bias_file="none") as node:
+        peer.wait_for_node()
+        assert peer.next_stats()["latency_bound_us"] == 50_000
+        _, said = node.interrupt()
+    for name in ("fps", "bias_file"):
+        assert f"ignored, not a parameter of this node: {name}" in said
 
 
 def test_sigint_ends_the_node_while_it_waits_for_feedback(peer: Any) -> None:

@@ -79,6 +79,38 @@ def test_parameters_change_or_are_refused_with_a_reason(peer: Peer) -> None:
         assert node.process.poll() is None
 
 
+FOR_ALL_NODES = """/**:
+  ros__parameters:
+    use_sim_time: false
+    serial: "00042"
+    latency_ms: 40
+    qos_overrides./events.subscription.depth: 7
+camera:
+  ros__parameters:
+    latency_us: 3
+asap:
+  ros__parameters:
+    feedback: none
+"""
+
+
+def test_a_file_for_all_nodes(peer: Peer, tmp_path: Path) -> None:
+    file = tmp_path / "all.yaml"
+    words = ["--ros-args", "--params-file", str(file)]
+    file.write_text(FOR_ALL_NODES)
+    with AsapNode(words=words) as node:
+        peer.wait_for_node()
+        assert peer.next_stats()["latency_bound_us"] == 40_000
+        code, said = node.interrupt()
+    assert code == 0
+    assert "ignored, not a parameter of this node: serial" in said
+    file.write_text(FOR_ALL_NODES.replace("latency_ms", "latncy_ms"))
+    with AsapNode(words=words) as node:
+        code, said = node.end()
+    assert code == 2
+    assert "latncy_ms = 40: the node has no such parameter; did you mean latency_ms?" in said
+
+
 def test_no_parameters_end_the_node(peer: Peer) -> None:
     """What two calls make together is refused as in one."""
     choose = random.Random(1)

@@ -2,11 +2,34 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <numeric>
+#include <vector>
 
 #include "asap/core/result.hpp"
 #include "ros/bridge/facts.hpp"
 
 namespace asap::ros {
+namespace {
+
+constexpr std::size_t kShortest = 5;  // letters of a name whose misspelling is told
+
+// Letters that are missing, too many or others (Levenshtein's distance).
+std::size_t slips(std::string_view from, std::string_view to) {
+  std::vector<std::size_t> row(to.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (const char letter : from) {
+    std::size_t before = row[0]++;  // of the row before, one to the left
+    for (std::size_t i = 0; i < to.size(); ++i) {
+      const std::size_t changed = before + static_cast<std::size_t>(letter != to[i]);
+      before = row[i + 1];
+      row[i + 1] = std::min({changed, before + 1, row[i] + 1});
+    }
+  }
+  return row.back();
+}
+
+}  // namespace
 
 std::string constraint(const NumberField& number) {
   return (number.is_whole ? "a whole number between " : "between ") + to_text(number.min) +
@@ -31,14 +54,18 @@ void set(Parameters& parameters, std::string_view name, const std::string& text,
   }
 }
 
-bool is_known(std::string_view name) {
-  const auto is_it = [&](const auto& field) { return name == field.name && !is_of_dds(field.has); };
-  return std::ranges::any_of(kNumbers, is_it) || std::ranges::any_of(kChoices, is_it);
-}
-
-void refuse_unknown(std::string_view name, const std::string& text) {
-  throw BadValue(name, text, {},
-                 "the node has no such parameter; correct the name, or leave it out");
+bool is_foreign(std::string_view name, const std::string& text) {
+  std::vector<std::string_view> ours;
+  for (const NumberField& field : kNumbers) ours.emplace_back(field.name);
+  for (const ChoiceField& field : kChoices) ours.emplace_back(field.name);
+  if (std::ranges::find(ours, name) != ours.end()) return false;
+  for (const std::string_view known : ours) {
+    // Of a shorter name, a slip is another word: seed, speed.
+    if (known.size() < kShortest || slips(name, known) > (known.size() - 1) / 3) continue;
+    throw BadValue(name, text, {},
+                   "the node has no such parameter; did you mean " + std::string(known) + "?");
+  }
+  return true;
 }
 
 void check(const Parameters& parameters) {

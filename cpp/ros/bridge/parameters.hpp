@@ -108,11 +108,9 @@ std::string constraint(const ChoiceField& choice);
 void set(Parameters& parameters, std::string_view name, const std::string& text,
          std::optional<double> number);
 
-// Whether the node has a parameter of this name in a middleware without DDS.
-bool is_known(std::string_view name);
-
-// Throws std::invalid_argument for a name that no parameter of the node has.
-[[noreturn]] void refuse_unknown(std::string_view name, const std::string& text);
+// Whether a parameter is not of these nodes, as those of a file for all nodes. Throws
+// std::invalid_argument for a misspelt one of theirs.
+bool is_foreign(std::string_view name, const std::string& text);
 
 // Throws std::invalid_argument("<field> = <value>: <remedy>").
 void check(const Parameters& parameters);

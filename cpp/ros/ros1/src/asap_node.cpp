@@ -125,9 +125,9 @@ bridge::Parameters read(const ros::NodeHandle& self, bridge::Parameters paramete
   XmlRpc::XmlRpcValue all;
   if (!runs && self.getParam(self.getNamespace(), all) && all.getType() == all.TypeStruct) {
     for (auto& [name, value] : all) {  // a struct: another node's, below this one's name
-      if (value.getType() != value.TypeStruct && !bridge::is_known(name)) {
-        bridge::refuse_unknown(name, text_of(value));
-      }
+      if (value.getType() == value.TypeStruct || !bridge::is_foreign(name, text_of(value)))
+        continue;
+      ROS_INFO("ignored, not a parameter of this node: %s", name.c_str());
     }
   }
   for (const bridge::NumberField& field : bridge::kNumbers) look(field, field.is_fixed);

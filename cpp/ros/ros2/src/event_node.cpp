@@ -52,7 +52,7 @@ EventNode::EventNode(const std::string& name, const rclcpp::NodeOptions& options
 EventNode::~EventNode() { stop(); }
 
 void EventNode::start(ros::Receiver& receiver, rclcpp::PublisherBase::SharedPtr packages) {
-  refuse_unknown();
+  refuse_misspelt();
   const auto say = [this](ros::Level level, const std::string& line) {
     if (level == ros::Level::ok) RCLCPP_INFO(get_logger(), "%s", line.c_str());
     if (level == ros::Level::warn) RCLCPP_WARN(get_logger(), "%s", line.c_str());
@@ -104,10 +104,10 @@ ros::Parameters EventNode::declared() const {
   return parameters;
 }
 
-void EventNode::refuse_unknown() {
+void EventNode::refuse_misspelt() {
   for (const auto& [name, value] : get_node_parameters_interface()->get_parameter_overrides()) {
-    if (has_parameter(name) || name.starts_with("qos_overrides.")) continue;
-    ros::refuse_unknown(name, rclcpp::to_string(value));
+    if (has_parameter(name) || !ros::is_foreign(name, rclcpp::to_string(value))) continue;
+    RCLCPP_INFO(get_logger(), "ignored, not a parameter of this node: %s", name.c_str());
   }
 }
 

@@ -48,7 +48,7 @@ class EventNode : public rclcpp::Node {
  private:
   void declare(bool of_packages);
   ros::Parameters declared() const;
-  void refuse_unknown();
+  void refuse_misspelt();
   void subscribe();
   void tell_apart();
   void take(ros::Packet packet, const std_msgs::msg::Header& header,

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <stdexcept>
 #include <string>
 
 #include "asap/schemes/deadline.hpp"
@@ -43,11 +44,20 @@ TEST(Parameters, ACountIsAWholeNumber) {
   EXPECT_EQ(error({.queue = 2.5}), "queue = 2.5: must be a whole number between 1 and 100000");
 }
 
-TEST(Parameters, AnUnknownNameIsRefused) {
-  EXPECT_TRUE(is_known("latency_ms"));
-  EXPECT_FALSE(is_known("input_reliability")) << "of DDS";
-  EXPECT_EQ(test::error_of([] { refuse_unknown("latncy_ms", "5"); }),
-            "latncy_ms = 5: the node has no such parameter; correct the name, or leave it out");
+TEST(Parameters, AMisspeltNameIsRefusedAndAForeignOneIsNot) {
+  EXPECT_EQ(test::error_of([] { is_foreign("latncy_ms", "5"); }),
+            "latncy_ms = 5: the node has no such parameter; did you mean latency_ms?");
+  for (const char* slip : {"latency", "latency_us", "feedback_timeout", "prefers", "Queue",
+                           "input_reliabilty", "capcity", "rate_bounds", "warmup_discard"}) {
+    EXPECT_THROW(is_foreign(slip, ""), std::invalid_argument) << slip;
+  }
+  for (const char* other :
+       {"use_sim_time", "qos_overrides./events.subscription.depth", "speed", "fps", "rate",
+        "bias_file", "frame_id", "serial", "erc_rate", "queue_size", "display_type", ""}) {
+    EXPECT_TRUE(is_foreign(other, "")) << other;
+  }
+  EXPECT_FALSE(is_foreign("latency_ms", ""));
+  EXPECT_FALSE(is_foreign("input_reliability", "")) << "in ROS 1 without effect";
 }
 
 TEST(Parameters, AChoiceIsOneOfItsNames) {
