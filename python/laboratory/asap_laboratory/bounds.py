@@ -396,7 +396,7 @@ BOUNDS = Study(
         "gaps": lambda row: f"{row['gap']:.2f} / {row['longest']:.2f}".replace("0.", "."),
         "greedy": figure("greedy"),
         "deadline": figure("deadline"),
-        "least": figure("least"),
+        "least": lambda row: "-" if row["least"] > 2 else f"{row['least']:.3f}".lstrip("0"),
         "late": figure("late"),
         "p99": lambda row: f"{row['greedy_p99']:.2f}, {row['p99']:.2f}",
     },
