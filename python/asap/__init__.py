@@ -92,6 +92,7 @@ __all__ = [
     "oracle",
     "plots",
     "read",
+    "record",
     "run",
     "simulate",
     "synthetic",
@@ -121,6 +122,7 @@ _NAMES = {
     "map": "experiment",  # not in __all__: `import *` leaves Python its own
     "open_camera": "camera",
     "oracle": "experiment",
+    "record": "camera",
     "run": "experiment",
     "simulate": "experiment",
     "table": "results",
@@ -129,7 +131,7 @@ _NAMES = {
 
 if TYPE_CHECKING:
     from asap import analysis, plots, synthetic
-    from asap.camera import Camera, CameraError, SoftwareCamera, cameras, open_camera
+    from asap.camera import Camera, CameraError, SoftwareCamera, cameras, open_camera, record
     from asap.conversion import convert
     from asap.experiment import (
         Comparison,

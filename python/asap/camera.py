@@ -29,7 +29,7 @@ from asap.io.errors import library
 from asap.results import Run
 
 __all__ = ["Camera", "CameraError", "CameraInfo", "Packet", "SoftwareCamera"]
-__all__ += ["cameras", "open_camera"]
+__all__ += ["cameras", "open_camera", "record"]
 
 _WAIT_S = 0.1  # the longest that a silent camera keeps its thread
 _STEP_US = 1000  # events of a packet that came within it are of one age
@@ -114,6 +114,50 @@ def open_camera(serial: str | None = None, **driver_options: Any) -> Camera:
         return Camera(driver.open(serial=serial, **{"iterator_timeout": _WAIT_S} | driver_options))
     except RuntimeError as error:
         raise _explained(f"camera {serial or ''}".rstrip(), error) from error
+
+
+def record(camera: Camera, path: str | Path, *, seconds: float | None = None) -> Path | None:
+    """Record an open camera to a file, without an algorithm; the camera stays open.
+
+    Events that waited in the driver before are left out. The file is as `Camera.record` says: its
+    part can be read at any moment, and what came is kept however it ends, by Ctrl-C too.
+
+    Parameters
+    ----------
+    camera : Camera
+        One that feeds no pipeline.
+    path : path
+        Its suffix names the format, as in `convert`.
+    seconds : float, optional
+        How long. Default: until the camera ends.
+
+    Returns
+    -------
+    Path or None
+        The file; None, and an older file stays, if no event came.
+
+    Raises
+    ------
+    CameraError
+        The camera has gone, or the file could not be written to its end.
+    RuntimeError
+        The camera is closed, feeds a pipeline or is recorded already.
+    ValueError
+        A bad time, or a path of no format that is written.
+
+    Examples
+    --------
+    ::
+
+        with asap.open_camera() as camera:
+            asap.record(camera, "flight.raw", seconds=60)
+    """
+    if not isinstance(camera, Camera):
+        remedy = "give a camera from asap.open_camera() or asap.SoftwareCamera(recording)"
+        raise TypeError(_checks.named("camera", camera, remedy))
+    if seconds is not None:
+        _checks.number("seconds", seconds, 1e-3, 1e9, "give the seconds to record")
+    return camera._record_alone(path, math.inf if seconds is None else seconds)
 
 
 class Camera:
@@ -204,7 +248,7 @@ class Camera:
         self._packets += 1
         if events is None:  # something else came: frames, IMU
             events = np.empty(0, EVENT_DTYPE)
-        if self._recorder is not None:
+        if self._recorder is not None and self._recorder.is_open:
             self._recorder.put(events)
         return Packet(events, now - age_s, 0 if marks is None else len(marks), lost)
 
@@ -270,9 +314,27 @@ class Camera:
         at any moment: it stays where the process is killed or the disk is full. An older file stays
         where no event came, or an error ended the ``with`` block.
         """
-        if self._recorder is not None:
+        if self._recorder is not None and self._recorder.is_open:
             raise RuntimeError(f"record: {self} is recorded already, to {self._recorder.path}")
         self._recorder = Recorder(_checks.new_file("path", path), self.width, self.height)
+
+    def _record_alone(self, path: str | Path, seconds: float) -> Path | None:
+        """Read and record for `record`."""
+        self._check_free("record")
+        self.record(path)
+        self.recorded, self._stale = None, True
+        end_s, is_cut = time.monotonic() + seconds, True
+        try:
+            while self._state == "open" and time.monotonic() < end_s:
+                self._read()
+            is_cut = False
+        except KeyboardInterrupt:
+            is_cut = False
+            raise
+        finally:
+            self._end_recording(replaces=not is_cut)
+        self._raise_error()
+        return self.recorded
 
     def stats(self) -> dict[str, Any]:
         """Sum up as one JSON object; `silent_s` counts from the last packet."""
@@ -293,8 +355,11 @@ class Camera:
         with self._reading:
             self._state = "closed" if self._state == "open" else self._state
             self.device.close()
+        self._end_recording(replaces=not self._is_cut)
+
+    def _end_recording(self, *, replaces: bool) -> None:
         if self._recorder is not None and self._recorder.is_open:
-            self.recorded, failure = self._recorder.close(replaces=not self._is_cut)
+            self.recorded, failure = self._recorder.close(replaces=replaces)
             self._error = self._error or (CameraError(failure) if failure else None)
 
     def __enter__(self) -> Camera:

@@ -371,6 +371,38 @@ def test_record(attach: Callable[..., Driver], tmp_path: Path) -> None:
     assert (np.diff(events["t"]) >= 0).all()
 
 
+def test_record_alone_leaves_the_camera_open(attach: Callable[..., Driver], tmp_path: Path) -> None:
+    driver = attach(*["events"] * 20)
+    with asap.open_camera() as camera:
+        driver.opened[0].waiting = 5  # older than the call
+        first = asap.record(camera, tmp_path / "first.raw", seconds=0.3)
+        assert first == tmp_path / "first.raw"
+        assert asap.load(first).size == 15 * PACKET
+        assert asap.record(camera, tmp_path / "silence.npz", seconds=0.1) is None
+        camera.record(tmp_path / "beside.raw")
+        with pytest.raises(RuntimeError, match=r"beside\.raw"):
+            asap.record(camera, tmp_path / "second.raw")
+    assert [path.name for path in tmp_path.iterdir()] == ["first.raw"]
+
+
+def test_record_alone_keeps_what_came_before_it_was_unplugged(
+    attach: Callable[..., Driver], tmp_path: Path
+) -> None:
+    attach(*["events"] * 20, UNPLUGGED)
+    with asap.open_camera() as camera:
+        with pytest.raises(asap.CameraError, match="unplugged"):
+            asap.record(camera, tmp_path / "flight.raw")
+        assert asap.load(tmp_path / "flight.raw").size == 20 * PACKET
+        with pytest.raises(RuntimeError, match="unplugged"):
+            asap.record(camera, tmp_path / "more.raw")
+
+
+def test_record_alone_refuses_what_is_no_camera(tmp_path: Path) -> None:
+    camera: Any = "camera"
+    with pytest.raises(TypeError, match=r"camera = .*open_camera"):
+        asap.record(camera, tmp_path / "flight.raw", seconds=1)
+
+
 # ---- the command ----------------------------------------------------------------------------
 
 
