@@ -101,6 +101,14 @@ std::size_t BackgroundActivityFilter::process(EventSpan events, std::span<Event>
   return passed;
 }
 
+void BackgroundActivityFilter::process(EventSpan events, std::span<Answer> passes,
+                                       std::size_t package) {
+  require(passes.size() == events.size(), "passes.size()", passes.size(),
+          "must be the number of events");
+  impl_->begin(package);
+  for (std::size_t i = 0; i < events.size(); ++i) passes[i] = impl_->update(events[i]);
+}
+
 void BackgroundActivityFilter::set_gamma(double gamma) {
   require(0 <= gamma && gamma <= 1, "gamma", gamma, "must be in [0, 1]");
   impl_->gamma.tell(gamma);

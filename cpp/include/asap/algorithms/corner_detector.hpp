@@ -5,6 +5,7 @@
 #pragma once
 
 #include <chrono>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -44,6 +45,12 @@ template <class Rule, class Configuration>
 class CornerDetector {
  public:
   using Config = Configuration;
+  using Answer = std::uint8_t;
+
+  // Rows around an event that its label depends on: FAHarris ignores those 4 px from the border.
+  static constexpr int reach(const Config&) noexcept {
+    return std::same_as<Config, FAHarrisConfig> ? 8 : 4;
+  }
 
   // Throws std::invalid_argument that names the bad field.
   explicit CornerDetector(const Config& config);

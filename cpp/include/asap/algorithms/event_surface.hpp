@@ -3,6 +3,7 @@
 // the events. One thread at a time. O(1) per event; no allocation after construction.
 #pragma once
 
+#include <concepts>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -28,6 +29,14 @@ class EventSurface {
  public:
   using Config = Configuration;
   using Value = Pixel;
+
+  // Rows around an event that it changes. A rank depends on ranks that depend on others, without
+  // end.
+  static constexpr int reach(const Config& config) noexcept
+    requires std::same_as<Config, ThresholdOrdinalSurfaceConfig>
+  {
+    return config.side / 2;
+  }
 
   // Throws std::invalid_argument that names the bad field.
   explicit EventSurface(const Config& config);

@@ -31,6 +31,10 @@ struct BackgroundActivityFilterConfig {
 class BackgroundActivityFilter {
  public:
   using Config = BackgroundActivityFilterConfig;
+  using Answer = std::uint8_t;
+
+  // Rows around an event that its passing depends on.
+  static constexpr int reach(const Config&) noexcept { return 1; }
 
   // Throws std::invalid_argument that names the bad field.
   explicit BackgroundActivityFilter(const Config& config);
@@ -44,6 +48,10 @@ class BackgroundActivityFilter {
   // is scratch) and may be the events' own memory. Returns how many passed. Events outside the
   // frame do not pass and are counted.
   std::size_t process(EventSpan events, std::span<Event> out) noexcept;
+
+  // Takes these events of a package that has `package`, and passes[i] is 1 where events[i] passes,
+  // else 0. Throws std::invalid_argument if the sizes differ.
+  void process(EventSpan events, std::span<Answer> passes, std::size_t package);
 
   // Tells the share of the next events that thinning kept, in [0, 1]: neighbours become as rare, so
   // the window grows by the mean of 1 / gamma over the latest events, to at most 500 s.

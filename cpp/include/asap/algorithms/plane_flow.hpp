@@ -39,6 +39,10 @@ struct PlaneFlowConfig {
 class PlaneFlow {
  public:
   using Config = PlaneFlowConfig;
+  using Answer = Flow;
+
+  // Rows around an event that its flow depends on.
+  static constexpr int reach(const Config&) noexcept { return 3; }
 
   // Throws std::invalid_argument that names the bad field.
   explicit PlaneFlow(const Config& config);
