@@ -76,6 +76,7 @@ __all__ = [
     "SoftwareCamera",
     "SpeedInvariantTimeSurface",
     "ThresholdOrdinalSurface",
+    "Tiled",
     "Tracks",
     "__version__",
     "analysis",
@@ -111,6 +112,7 @@ _NAMES = {
     "Pipeline": "experiment",
     "Run": "experiment",
     "SoftwareCamera": "camera",
+    "Tiled": "tiled",
     "cameras": "camera",
     "Tracks": "experiment",
     "check": "inspection",
@@ -147,6 +149,7 @@ if TYPE_CHECKING:
     from asap.experiment import map as map
     from asap.inspection import Inspection, check, info
     from asap.results import load_run, table
+    from asap.tiled import Tiled
     from asap.viewer import view
 else:  # a type checker would take any name for one of a module that has a __getattr__
 

@@ -118,7 +118,9 @@ std::string repr_of(const py::handle& made, const py::dict& arguments, const py:
       given.append(py::cast<std::string>(name) + "=" + text);
     }
   }
-  return py::cast<std::string>(py::type::of(made).attr("__name__")) + "(" +
+  const py::object type = py::type::of(made);
+  return py::cast<std::string>(type.attr("__name__")) + "(" +
+         py::cast<std::string>(py::getattr(type, "_of", py::str())) +
          py::cast<std::string>(py::str(", ").attr("join")(given)) + ")";
 }
 

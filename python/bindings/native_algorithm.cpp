@@ -33,10 +33,12 @@ AlgorithmBinding::AlgorithmBinding(void (*bind)(py::module_&)) { bindings().push
 
 void bind_algorithms(py::module_& m) {
   for (const auto& bind : bindings()) bind(m);
-  const auto listed = [](auto is_wanted) {
+  const auto listed = [&](auto is_wanted) {
     py::list types;
-    for (const auto& [type, calls] : known()) {
-      if (is_wanted(calls)) types.append(py::handle(type));
+    for (const auto& [kind, calls] : known()) {
+      const py::handle type(kind);
+      const bool is_public = py::getattr(m, type.attr("__name__"), py::none()).is(type);
+      if (is_public && is_wanted(calls)) types.append(type);
     }
     const py::module_ operators = py::module_::import("operator");
     types.attr("sort")(py::arg("key") = operators.attr("attrgetter")("name"));

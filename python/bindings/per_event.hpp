@@ -5,10 +5,13 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "arrays.hpp"
+#include "asap/runner/tiled.hpp"
 #include "gil.hpp"
 #include "held.hpp"
 #include "keywords.hpp"
@@ -69,11 +72,65 @@ void bind_answering(Class<Algorithm>& type, const char* doc) {
 // All but process(). `gamma_doc` null: its set_gamma is the caller's.
 void def_rest(const py::object& type, const char* name, const NativeAlgorithm& calls,
               const char* gamma_doc);
+// Width and height, row by row.
+template <class Value, class Surface>
+py::array_t<Value> copied(const Surface& surface) {
+  py::array_t<Value> copy({surface.config().height, surface.config().width});
+  surface.copy_to(std::span(copy.mutable_data(), static_cast<std::size_t>(copy.size())));
+  return copy;
+}
+
+// ---- asap.Tiled: each algorithm that can be tiled has a class for it, `_Tiled` ----
+
+template <class A>
+struct TiledArguments : A::Config {
+  int threads = 0;  // which the constructor refuses
+};
+
+template <class A>
+class TiledAlgorithm : public Tiled<A> {
+ public:
+  using Config = TiledArguments<A>;
+
+  explicit TiledAlgorithm(const Config& config)
+      : Tiled<A>(config, {.threads = config.threads}), config_(config) {}
+
+  const Config& config() const noexcept { return config_; }
+
+ private:
+  Config config_;
+};
+
+template <class A>
+void bind_tiled(Class<A>& type, const char* name, const Table& keywords, const char* gamma_doc) {
+  using T = TiledAlgorithm<A>;
+  constexpr const char* kDoc = "What the algorithm's own process(events) does, on all threads.";
+  Class<T> tiled(type, "_Tiled", "See asap.Tiled.");
+  tiled.attr("__name__") = "Tiled";
+  tiled.attr("_of") = py::cast<std::string>(type.attr("__name__")) + ", ";  // for its repr
+  if constexpr (Filter<T>) {
+    bind_passing(tiled);
+  } else if constexpr (requires { typename A::Value; }) {
+    bind_taking(tiled);
+    tiled.def_property_readonly("surface", &copied<typename A::Value, T>);
+  } else if constexpr (std::is_same_v<typename T::Answer, std::uint8_t>) {
+    bind_answering<bool, std::uint8_t>(tiled, kDoc);
+  } else {
+    bind_answering<float, typename T::Answer>(tiled, kDoc);
+  }
+  Keywords<TiledArguments<A>> all(keywords.by_position, {});
+  all.rows = keywords.rows;
+  all.rows.push_back(keyword("threads", &TiledArguments<A>::threads));
+  bind_configuration(tiled, all);
+  def_rest(tiled, name, native_calls<T>(), gamma_doc);
+}
+
 template <class Algorithm>
 void bind_rest(Class<Algorithm>& type, const char* name,
                const Keywords<typename Algorithm::Config>& keywords, const char* gamma_doc) {
   bind_configuration(type, keywords);
   def_rest(type, name, native_calls<Algorithm>(), gamma_doc);
+  if constexpr (Tileable<Algorithm>) bind_tiled(type, name, keywords, gamma_doc);
 }
 
 }  // namespace asap::python

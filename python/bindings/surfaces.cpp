@@ -45,18 +45,11 @@ keep polarities apart.
 )";
 
 template <class Surface>
-py::array_t<typename Surface::Value> values(const Surface& surface) {
-  py::array_t<typename Surface::Value> copy({surface.config().height, surface.config().width});
-  surface.copy_to({copy.mutable_data(), static_cast<std::size_t>(copy.size())});
-  return copy;
-}
-
-template <class Surface>
 void bind_surface(py::module_& m, const char* title, const char* doc, const char* name,
                   Keyword<typename Surface::Config> keyword, const char* surface_doc) {
   Class<Surface> type(m, title, documented(doc).c_str());
   bind_taking(type);
-  type.def_property_readonly("surface", &values<Surface>, surface_doc);
+  type.def_property_readonly("surface", &copied<typename Surface::Value, Surface>, surface_doc);
   bind_rest(type, name, sized<typename Surface::Config>({keyword}),
             R"(Tells the fraction of the events that reaches the surface, 0 <= gamma <= 1.
 

@@ -50,10 +50,16 @@ def test_every_algorithm_is_here_by_its_name() -> None:
     }
 
 
-@pytest.fixture(params=MADE)
+TILEABLE = ("background", "e_fast", "arc_star", "e_harris", "fa_harris", "tos", "flow")
+
+
+@pytest.fixture(params=[*MADE, *(f"{name} tiled" for name in TILEABLE)])
 def make(request: pytest.FixtureRequest) -> Make:
     """Make it with its defaults, as far as it has some."""
-    kind, _ = MADE[request.param]
+    name, _, tiled = request.param.partition(" ")
+    if tiled:
+        return partial(asap.Tiled, MADE[name][0], threads=3)
+    kind, _ = MADE[name]
     return partial(kind, count=1000) if kind is asap.EventImage else kind
 
 

@@ -163,6 +163,14 @@ def test_algorithms_by_name_are_made_for_the_sensor(name: str) -> None:
     assert (algorithm.width, algorithm.height) == (346, 260)
 
 
+def test_threads_are_those_of_tiled(call: Call, flight: Path) -> None:
+    run = ("run", flight, "--width", "346", "--height", "260", "--threads", "2")
+    code, out, _ = call(*run, "--algorithm", "e_fast", "--json")
+    assert (code, json.loads(out)["algorithm"]["threads"]) == (0, 2)
+    code, _, said = call(*run)  # of the cluster tracker
+    assert code == 2 and "EFast" in said
+
+
 def test_compare_is_compare(call: Call, flight: Path) -> None:
     options = [
         "--latency",

@@ -37,6 +37,7 @@ MAY_INCLUDE = {
 # A module of asap may import those on lines above its own.
 PYTHON_LAYERS = (
     {"_core", "_checks"},
+    {"tiled"},
     {"_units"},
     {"_values"},
     {"_columns"},

@@ -68,12 +68,14 @@ def chosen(text: str, known: Collection[str] = ALGORITHMS) -> Chosen:
     return Chosen(name, dict(setting(one) for one in settings.split(",") if one), bool(colon))
 
 
-def algorithm_of(chosen: Chosen, recording: asap.Recording | asap.Camera) -> Any:
+def algorithm_of(
+    chosen: Chosen, recording: asap.Recording | asap.Camera, threads: int | None = None
+) -> Any:
     """Make the algorithm for the sensor of a source; import it if it is the user's own."""
     name = chosen.name
     found = _imported(name) if chosen.is_own else getattr(asap, ALGORITHMS[name])
     if chosen.is_own and not isinstance(found, type):
-        if chosen.parameters:
+        if chosen.parameters or threads is not None:
             raise Failure(USAGE, f"{name}: is no class, so it takes no parameters")
         return found
     width, height = recording.width, recording.height
@@ -84,6 +86,8 @@ def algorithm_of(chosen: Chosen, recording: asap.Recording | asap.Camera) -> Any
             "Give --width and --height; asap info shows how far the events reach",
         )
     try:
+        if threads is not None:
+            return asap.Tiled(found, width, height, threads=threads, **chosen.parameters)
         return found(width, height, **chosen.parameters)
     except Exception as error:
         if not chosen.is_own:
@@ -117,7 +121,7 @@ def workers_of(
 ) -> Workers:
     """Make what ``--algorithm``, ``--before``, ``--tracks`` and ``--every`` ask for."""
     name = arguments.algorithm or (chosen(default) if default else None)
-    algorithm = algorithm_of(name, source) if name else None
+    algorithm = algorithm_of(name, source, arguments.threads) if name else None
     before = algorithm_of(arguments.before, source) if arguments.before else None
     tracks = None
     if arguments.tracks:

@@ -125,6 +125,8 @@ def _add_run_options(verb: Any) -> None:
         "current directory or Python's path: a class is made with (width, height), of an object "
         "process(events) is used, a callable is called (default: clusters)",
     )
+    words = "let so many threads share the events of the algorithm, as asap.Tiled does"
+    verb.add_argument("--threads", type=int, metavar="N", help=words)
     verb.add_argument(
         "--before",
         type=partial(chosen, known=FILTERS),
