@@ -19,7 +19,7 @@ PAGES = sorted(set(FOLDER.glob("*.md")) - {INDEX})
 
 def algorithms() -> set[str]:
     kinds = [kind for kind in vars(asap).values() if isinstance(kind, type)]
-    return {kind.__name__ for kind in kinds if hasattr(kind, "set_gamma")}
+    return {"Tiled"} | {kind.__name__ for kind in kinds if hasattr(kind, "set_gamma")}
 
 
 def title(page: Path) -> str:
