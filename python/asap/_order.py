@@ -86,8 +86,8 @@ def by_time(
             done, number, held = stop, number + 1, []
         held.append(chunk[done:])
     if first_us is not None:
-        edges = (first_us + round(edge * width_us) for edge in (number, number + 1))
-        yield Slice(*edges, _joined(held))
+        begin_us, end_us = (first_us + round(k * width_us) for k in (number, number + 1))
+        yield Slice(begin_us, end_us, _joined(held))
 
 
 def by_count(chunks: Iterator[Events], count: int) -> Iterator[Slice]:
