@@ -355,12 +355,12 @@ MUTANTS: list[Mutant] = [
         SOURCE + "formats/encoder.cpp",
         "formats",
         row_never_written=(
-            "if (event.y != state.y) to = put_word",
-            "if (event.y < state.y) to = put_word",
+            "to += event.y != state.y ? kWord : 0;",
+            "to += event.y < state.y ? kWord : 0;",
         ),
         low_bits_of_time_left_out=(
-            "else if (event.t != state.t) {",
-            "else if (event.t > state.t + 1) {",
+            "to += event.t != state.t ? kWord : 0;",
+            "to += event.t > state.t + 1 ? kWord : 0;",
         ),
         high_bits_of_time_cut=("kTimeHigh, t >> 12 & 0xfff)", "kTimeHigh, t >> 12 & 0x7ff)"),
         mark_beyond_what_readers_unwrap=(

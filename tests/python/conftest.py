@@ -12,6 +12,18 @@ settings.load_profile("untimed")
 
 Call = Callable[..., tuple[int, str, str]]
 
+HDF5 = ("h5", "hdf5", "dsec")
+LIBRARIES = {"aedat4": "lz4", "mcap": "mcap", **dict.fromkeys(HDF5, "h5py")}
+
+
+@pytest.fixture(autouse=True)
+def library(request: pytest.FixtureRequest) -> None:
+    """A format that a library reads and writes is tested where the library is installed."""
+    given = getattr(request.node, "callspec", None)
+    for name in ("to", "form", "suffix") if given else ():
+        if (form := given.params.get(name)) in LIBRARIES:
+            pytest.importorskip(LIBRARIES[form])
+
 
 @pytest.fixture
 def call(capsys: pytest.CaptureFixture[str]) -> Call:

@@ -196,7 +196,7 @@ EXACT: dict[str, Make] = {
     "arrow table": lambda _: arrow(),
     "arrow batch": lambda _: arrow().to_batches()[0],
     "arrow reader": lambda _: arrow().to_reader(max_chunksize=999),
-    "arrow dataset": lambda _: lib("pyarrow.dataset").dataset(arrow()),
+    "arrow dataset": lambda _: lib("pyarrow.dataset").dataset(arrow()).to_table(),
     "arrow struct": lambda _: arrow().to_struct_array().chunk(0),
     "arrow chunked struct": lambda _: arrow().to_struct_array(max_chunksize=999),
     "arrow batches": lambda _: arrow().to_batches(max_chunksize=999),
@@ -221,7 +221,7 @@ EXACT: dict[str, Make] = {
     "polars structured": lambda _: polars().to_numpy(structured=True),
     "polars dict": lambda _: polars().to_dict(),
     "polars dict of lists": lambda _: polars().to_dict(as_series=False),
-    "evlib": lambda path: lib("evlib").load_events(written(".raw", path)),
+    "evlib": lambda path: lib("evlib").load_events(written(".raw", path)).collect(),
     # pandas
     "pandas": lambda _: pandas(),
     "pandas nullable": lambda _: pandas().convert_dtypes(),

@@ -23,7 +23,6 @@ EVENTS = corrupt.clean_events(3000)
 SENSOR = {"width": corrupt.WIDTH, "height": corrupt.HEIGHT}
 HDF5 = ("dsec",)
 STATE_THE_SENSOR = ("npz", "es", "evt3", "aedat4", "mcap", *HDF5)
-LIBRARIES = {"aedat4": "lz4", "mcap": "mcap", **dict.fromkeys(HDF5, "h5py")}
 IN_PACKETS = ("aedat4", "mcap", *HDF5)  # which also end where a piece of the source does
 UNIX_US = 1_633_953_690_975_950
 
@@ -35,14 +34,6 @@ def long_gaps() -> Events:
     events["t"][1000:] += 30_000_000
     events["t"][2000:] += 600_000_000
     return events
-
-
-@pytest.fixture(autouse=True)
-def library(request: pytest.FixtureRequest) -> None:
-    """A format that a library writes is tested where the library is installed."""
-    to = getattr(request.node, "callspec", None) and request.node.callspec.params.get("to")
-    if to in LIBRARIES:
-        pytest.importorskip(LIBRARIES[to])
 
 
 # ---- read back by asap ----------------------------------------------------------------------

@@ -294,7 +294,7 @@ def test_ten_million_events_per_second_for_a_minute() -> None:
     events = streams.make(np.arange(2_000_000) // 10, x=3, y=4)
     with asap.SoftwareCamera(events, loop=True, **SENSOR) as camera:
         pipeline = Noting(camera=camera, latency_ms=10)
-        end = threading.Timer(60, camera.release)
+        end = threading.Timer(60, camera._release)
         with pipeline:
             end.start()
             for package in pipeline:
