@@ -355,7 +355,9 @@ void Engine::split_next() noexcept {
     next_split_ = next_split_ + 1 < active.size() ? next_split_ + 1 : 0;
     const Slot slot = active[next_split_];
     if (is_unresolved(tracks_.state(slot))) return halve(slot);
-    if (extent_has_grown(tracks_[slot], tracks_.state(slot))) return split(slot);
+    if (extent_has_grown(tracks_[slot], tracks_.state(slot), settings_.dense_per_px)) {
+      return split(slot);
+    }
   }
 }
 

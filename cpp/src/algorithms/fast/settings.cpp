@@ -37,6 +37,9 @@ constexpr double kNoiseEvents = 30;
 // Half or twice of it changes little; recordings without noise need it, for nothing else bounds
 // the gate of a sparse object there.
 constexpr double kMinDensity_hz = 1;
+// A sparse thing has gaps of its own, which must not cut it. 15 to 40; at 10 the cuts come back.
+// With gamma weak objects that became one would stay one, so it falls with the square.
+constexpr double kDense_per_px = 15;
 
 float thinned(double events, double gamma, double fewest) noexcept {
   return single(events * std::clamp(4 * gamma, fewest, 1.0));
@@ -80,6 +83,7 @@ void Settings::set_gamma(const ClusterTrackerConfig& c, double gamma,
   lifecycle.birth_rate_hz = single(kBirthRate_hz * gamma);
   gate.noise_events = single(kNoiseEvents * gamma);
   gate.min_density_hz = single(kMinDensity_hz * gamma);
+  dense_per_px = single(kDense_per_px * gamma * gamma);
   rejects_unsupported = c.support == ClusterSupport::kReject &&
                         gamma >= (filtered_upstream ? kMinGammaFiltered : kMinGammaUnfiltered);
   begins_unsupported = c.support != ClusterSupport::kReject || filtered_upstream;

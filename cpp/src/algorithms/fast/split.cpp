@@ -19,12 +19,14 @@ void set_spread(Track& track, TrackState& state, const Part& part) noexcept {
 
 // ---- objects that separated ----
 
-bool extent_has_grown(const Track& track, const TrackState& state) noexcept {
+bool extent_has_grown(const Track& track, const TrackState& state, float dense_per_px) noexcept {
   constexpr float kSmallest_px2 = 64;
   constexpr float kGrowth = 2;
+  if (track.phase != Phase::kConfirmed || track.partners > 0) return false;
+  const float remembered = 1e-6F * kLink_us * state.slow_rate_hz;
+  if (remembered < dense_per_px * state.extent_px) return false;
   const float extent2 = state.extent_px * state.extent_px;
-  return track.phase == Phase::kConfirmed && track.partners == 0 &&
-         extent2 >= std::max(kSmallest_px2, kGrowth * state.average_extent2);
+  return extent2 >= std::max(kSmallest_px2, kGrowth * state.average_extent2);
 }
 
 PartFinder::PartFinder(const CellMap& map) : map_(map) { cells_.reserve(owned_.size()); }

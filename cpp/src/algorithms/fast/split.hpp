@@ -35,8 +35,10 @@ struct Part {
 
 // ---- objects that separated ----
 
-// Whether a track that is not in contact has become much larger than it was.
-bool extent_has_grown(const Track& track, const TrackState& state) noexcept;
+// Whether a track that is not in contact has become much larger than it was, and is so dense that
+// the gaps between its cells are gaps between objects: events in the memory of a cell, per px of
+// its extent.
+bool extent_has_grown(const Track& track, const TrackState& state, float dense_per_px) noexcept;
 
 class PartFinder {
  public:

@@ -59,5 +59,20 @@ TEST(HalfFinder, ABarHasNoHalves) {
   EXPECT_EQ(beside.find().size(), 2U);
 }
 
+// A sparse thing has gaps of its own.
+TEST(ExtentHasGrown, SaysSoOfADenseTrackOnly) {
+  Track track;
+  track.phase = Phase::kConfirmed;
+  for (const float scale : {1.0F, 3.0F}) {
+    TrackState state;
+    state.slow_rate_hz = 12'000 * scale;
+    state.extent_px = 16 * scale;
+    state.average_extent2 = 81 * scale * scale;
+    EXPECT_TRUE(extent_has_grown(track, state, 15)) << scale;
+    state.slow_rate_hz /= 4;
+    EXPECT_FALSE(extent_has_grown(track, state, 15)) << scale;
+  }
+}
+
 }  // namespace
 }  // namespace asap::fast::split_test
