@@ -215,7 +215,9 @@ TYPED_TEST(TiledAlgorithm, IsAsOneInstanceOverASilenceOrAStampFarAhead) {
       }
       both[events.size() - 1].t += ahead_us;
       // The lower half of the sensor sees nothing of the one far ahead, and little for a long time.
-      for (std::size_t i = 0; i + 1 < events.size(); ++i) both[i].y %= kHeight / 2;
+      for (std::size_t i = 0; i + 1 < events.size(); ++i) {
+        both[i].y = static_cast<std::uint16_t>(both[i].y % (kHeight / 2));
+      }
       this->is_as_one(kWidth, kHeight, 3, both, 1);
     }
   }
