@@ -9,11 +9,10 @@ namespace asap::inline v0_1::fast {
 
 // ---- cells and times ----
 
-inline constexpr int kCell_px = 4;                  // side; to 8
-inline constexpr std::uint64_t kTick_us = 1'000;    // period of the work that is not done per event
-inline constexpr std::int32_t kWarmup_us = 12'000;  // no birth before noise was measured once
-inline constexpr std::int32_t kLink_us = 40'000;    // memory of a cell's owner; 20 to 80 ms
-inline constexpr std::int32_t kSeed_us = 15'000;    // decay of the counts of unassociated events
+inline constexpr int kCell_px = 4;                // side; to 8
+inline constexpr std::uint64_t kTick_us = 1'000;  // period of the work that is not done per event
+inline constexpr std::int32_t kLink_us = 40'000;  // memory of a cell's owner; 20 to 80 ms
+inline constexpr std::int32_t kSeed_us = 15'000;  // decay of the counts of unassociated events
 inline constexpr float kSeed_s = 0.015F;
 inline constexpr float kMass_s = 0.03F;  // decay of a track's mass, its number of recent events
 

@@ -16,6 +16,8 @@ namespace {
 
 constexpr float kNever = std::numeric_limits<float>::infinity();
 constexpr std::uint64_t kNoisePeriod_us = 8'000;
+constexpr std::uint64_t kFirstNoise_us = 2'000;  // from the start: enough to see heavy noise
+constexpr float kPriorNoise_hz = 0.5F;  // per pixel; the least until 8 ms are measured; 0.2 to 2
 
 std::int8_t sign_of(const Event& event) noexcept { return event.p > 0 ? 1 : -1; }
 
@@ -307,7 +309,8 @@ void Engine::update_pairs_and_noise() noexcept {
   const std::uint64_t now_us = clock_.now_us();
   const std::uint64_t elapsed_us = now_us - pairs_us_;
   pairs_us_ = now_us;
-  if (now_us - noise_us_ >= kNoisePeriod_us) measure_noise();
+  const bool starts = now_us - started_us_ < kNoisePeriod_us;
+  if (now_us - noise_us_ >= (starts ? kFirstNoise_us : kNoisePeriod_us)) measure_noise();
   pairs_.find(tracks_, clock_.now(), settings_.gate.birth_radius_px);
   merge_pairs(seconds(elapsed_us));
   split_next();
@@ -325,10 +328,9 @@ void Engine::measure_noise() noexcept {
   support_window_us_ =
       support_window_us(noise_hz_, settings_.support_window_us, settings_.longest_window_us);
   if (settings_.rejects_unsupported) noise_hz_ = supported_noise(noise_hz_, window_s());
+  if (noise_us_ - started_us_ < kNoisePeriod_us) noise_hz_ = std::max(noise_hz_, kPriorNoise_hz);
   settings_.update.far_weight = far_weight(noise_hz_);
   widest_radius_px_ = widest_radius(settings_.gate, noise_hz_);
-
-  if (clock_.now_us() - started_us_ < static_cast<std::uint64_t>(kWarmup_us)) return;
   birth_threshold_ = settings_.birth_threshold(noise_hz_);
 }
 
