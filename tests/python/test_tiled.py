@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import pickle
 import re
+import signal
 from typing import Any
 
 import numpy as np
@@ -41,6 +43,18 @@ def test_a_filter_stands_in_front_of_a_run() -> None:
     cost = asap.LinearCost(10, 10)
     runs = [asap.simulate(EVENTS, cost=cost, before=before) for before in (one, tiled)]
     assert runs[0].ledger == runs[1].ledger and runs[0].ledger.filtered > 0
+
+
+def test_a_process_that_forked_goes_on_alone() -> None:
+    tiled = asap.Tiled(asap.EFast, WIDTH, HEIGHT, threads=2)
+    corners = tiled.process(EVENTS)
+    tiled.reset()
+    if (child := os.fork()) == 0:
+        signal.alarm(30)
+        alone = np.array_equal(tiled.process(EVENTS), corners)
+        del tiled
+        os._exit(0 if alone else 1)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
 
 
 @pytest.mark.parametrize("kind", [asap.HotPixelMask, asap.ClusterTracker, print, "EFast"])

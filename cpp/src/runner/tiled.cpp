@@ -15,6 +15,7 @@
 
 #if defined(__linux__)
 #include <pthread.h>
+#include <unistd.h>
 #endif
 
 namespace asap::inline v0_1::detail {
@@ -34,6 +35,15 @@ void wait_while(std::atomic<std::uint32_t>& word, std::uint32_t value) noexcept 
     __builtin_ia32_pause();
 #endif
   }
+}
+
+// A process that forked has no workers: they stay with its parent.
+std::int64_t this_process() noexcept {
+#if defined(__linux__)
+  return getpid();
+#else
+  return 0;
+#endif
 }
 
 void name_this_thread(int number) noexcept {
@@ -78,6 +88,10 @@ class Bands::Impl {
   }
 
   ~Impl() {
+    if (!has_workers()) {
+      for (std::thread& worker : workers_) worker.detach();
+      return;
+    }
     stops_.store(true, std::memory_order_relaxed);
     call_workers();
     for (std::thread& worker : workers_) worker.join();
@@ -102,7 +116,7 @@ class Bands::Impl {
     const auto begin = System::now();
     events_ = events;
     package_ = package;
-    all_work_ = way.all();
+    all_work_ = way.all() && has_workers();
     if (all_work_) {
       deal();
       left_.store(static_cast<std::uint32_t>(lanes_.size() - 1), std::memory_order_relaxed);
@@ -186,6 +200,8 @@ class Bands::Impl {
     Event nowhere{};
     std::uint32_t no_place = 0;
   };
+
+  bool has_workers() const noexcept { return this_process() == process_; }
 
   void call_workers() noexcept {
     calls_.fetch_add(1, std::memory_order_release);
@@ -302,6 +318,7 @@ class Bands::Impl {
   alignas(64) std::atomic<std::uint32_t> calls_{0};
   alignas(64) std::atomic<std::uint32_t> left_{0};
   std::vector<std::thread> workers_;
+  const std::int64_t process_ = this_process();
 };
 
 Bands::Bands(int width, int height, int reach, TiledConfig config,
