@@ -28,8 +28,7 @@ struct Settings {
   std::int32_t support_window_us;
   std::int32_t longest_window_us;  // of the support, in little noise
   float seed_events;
-  float
-      dense_per_px;  // events per px of an extent, from which a track may be cut; fewer with gamma
+  float dense_per_px;  // events per px of an extent: a track with fewer is not cut
   bool uses_support;
   bool rejects_unsupported;
   bool begins_unsupported;  // else such an event, where it is not rejected, begins no track
