@@ -75,15 +75,6 @@ bool are_siblings(const Tracks& tracks, Tracks::Slot a, Tracks::Slot b) noexcept
   return is_sibling(tracks, a, b) || is_sibling(tracks, b, a);
 }
 
-// The siblings of a track that has become part of another are siblings of that one.
-void inherit_siblings(Tracks& tracks, Tracks::Slot survivor, Tracks::Slot other) noexcept {
-  for (const Tracks::Slot slot : tracks.active()) {
-    if (!is_sibling(tracks, slot, other)) continue;
-    tracks.state(slot).sibling = slot == survivor ? kNoSlot : survivor;
-    tracks.state(slot).sibling_generation = tracks[survivor].generation;
-  }
-}
-
 // ---- candidates ----
 
 constexpr Candidate kNoCandidate{Tracks::kNone, Tracks::kNone, 0, 0,
@@ -174,14 +165,6 @@ float fastest(const Track& a, const Track& b) noexcept {
   return std::max(length(a.vx, a.vy), length(b.vx, b.vy));
 }
 
-// Whether the velocities are equal within two standard deviations, a fifth and 10 px/s.
-bool move_alike(const Tracks& tracks, const Candidate& pair) noexcept {
-  const Track& a = tracks[pair.keeper];
-  const Track& b = tracks[pair.other];
-  const float variance = tracks.state(pair.keeper).kalman.pvv + tracks.state(pair.other).kalman.pvv;
-  return velocity_difference(a, b) <= 2 * std::sqrt(variance) + 0.2F * fastest(a, b) + 10;
-}
-
 // Whether two tracks that were apart before would have separated again by now, had each kept its
 // average velocity.
 bool would_have_separated(const TrackState& a, const TrackState& b, float hold_s) noexcept {
@@ -212,7 +195,7 @@ bool whole_tracks_are_one(const Tracks& tracks, const Candidate& pair, const Mer
   constexpr Required kOfALarge{0.03F, 5};
   constexpr Required kRequired{0.03F, 20};
   if (overlap_and_move_alike(tracks, pair, kept, siblings)) return true;
-  if (!siblings) return meets(kept, kRequired) && move_alike(tracks, pair);
+  if (!siblings) return meets(kept, kRequired);
   const float larger = larger_extent(tracks.state(pair.keeper), tracks.state(pair.other));
   return meets(kept, larger > kLargeSibling_px ? kOfALarge : kRequired);
 }
@@ -230,7 +213,7 @@ bool partial_tracks_are_one(const Tracks& tracks, const Candidate& pair, const M
   const float younger_s =
       std::min(tracks.state(pair.keeper).confirmed_s, tracks.state(pair.other).confirmed_s);
   if (younger_s < kYoung_s) return meets(kept, kYoung);
-  if (younger_s > kOld_s && !siblings) return meets(kept, kOld) && move_alike(tracks, pair);
+  if (younger_s > kOld_s && !siblings) return meets(kept, kOld);
   return meets(kept, kMoving) || kept.hold_s >= kAtRest_s;
 }
 
@@ -383,7 +366,6 @@ void merge(Tracks& tracks, Tracks::Slot survivor, Tracks::Slot other, Stamp now)
   state.fast_rate_hz += gone_state.fast_rate_hz;
   state.slow_rate_hz += gone_state.slow_rate_hz;
   tracks.contour(survivor).forget_radius();
-  inherit_siblings(tracks, survivor, other);
 }
 
 // ---- siblings ----
