@@ -58,7 +58,7 @@ def test_a_disk_is_one_object() -> None:
     assert (found["vx"], found["vy"]) == pytest.approx((100, 0), abs=20)
     assert (found["left"], found["top"]) == pytest.approx((100, 70), abs=2)
     assert (found["width"], found["height"]) == pytest.approx((20, 20), abs=3)
-    assert found["age_us"] == pytest.approx(480_000, abs=10_000)
+    assert found["age_us"] == pytest.approx(495_000, abs=4_000)
     assert found["independent"] == -1
     (member,) = tracker.members(found["id"])
     assert np.mean(labels[-1000:] == member) > 0.8
