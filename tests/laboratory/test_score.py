@@ -209,6 +209,11 @@ def test_alike_events_pass_in_their_order():
     assert passed(np.array([0, 1, 0, 0, 0, 1], bool), events).tolist() == [1, 5]
 
 
+def test_of_alike_events_the_one_in_order_passed():
+    events = streams.make([5, 5, 5], [1, 2, 1], [4, 4, 4], 1)
+    assert passed(events[[1, 2]], events).tolist() == [1, 2]
+
+
 @pytest.mark.parametrize("field", ["t", "x", "y", "p"])
 def test_events_that_did_not_go_in_are_refused(field):
     events = streams.make([5, 6, 7], [1, 2, 3], [4, 5, 6], 1)

@@ -338,9 +338,19 @@ def passed(returned: Any, events: NDArray[np.void]) -> NDArray[np.int64]:
         raise ValueError("before.process returned events that were not handed to it")
     indices = np.empty(found.size, np.int64)
     indices[back] = order[place]
-    if np.any(np.diff(indices) < 0):
-        raise ValueError("before.process returned the events in another order")
-    return indices
+    return indices if np.all(np.diff(indices) > 0) else _in_order(found.tolist(), events.tolist())
+
+
+def _in_order(found: list[Any], events: list[Any]) -> NDArray[np.int64]:
+    """Find each after the one before it, where the first of several alike is not the one."""
+    indices, at = [], 0
+    for event in found:
+        try:
+            indices.append(events.index(event, at))
+        except ValueError:
+            raise ValueError("before.process returned the events in another order") from None
+        at = indices[-1] + 1
+    return np.array(indices, np.int64)
 
 
 def _sorted_keys(
