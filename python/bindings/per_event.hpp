@@ -72,7 +72,8 @@ void bind_answering(Class<Algorithm>& type, const char* doc) {
 // All but process(). `gamma_doc` null: its set_gamma is the caller's.
 void def_rest(const py::object& type, const char* name, const NativeAlgorithm& calls,
               const char* gamma_doc);
-// Width and height, row by row.
+
+// The values of a surface, shape (height, width).
 template <class Value, class Surface>
 py::array_t<Value> copied(const Surface& surface) {
   py::array_t<Value> copy({surface.config().height, surface.config().width});

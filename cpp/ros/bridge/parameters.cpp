@@ -60,7 +60,7 @@ bool is_foreign(std::string_view name, const std::string& text) {
   for (const ChoiceField& field : kChoices) ours.emplace_back(field.name);
   if (std::ranges::find(ours, name) != ours.end()) return false;
   for (const std::string_view known : ours) {
-    // Of a shorter name, a slip is another word: seed, speed.
+    // A slip of a short name is another word: seed, speed.
     if (known.size() < kShortest || slips(name, known) > (known.size() - 1) / 3) continue;
     throw BadValue(name, text, {},
                    "the node has no such parameter; did you mean " + std::string(known) + "?");

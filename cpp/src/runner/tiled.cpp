@@ -307,7 +307,7 @@ class Bands::Impl {
   std::array<FasterWay, std::bit_width(kMostEvents) + 1> ways_{};  // by the size of a package
   Scan scan_;                                                      // without the package in work
 
-  // Of the package in work.
+  // The package in work.
   EventSpan events_;
   std::size_t package_ = 0;
   bool all_work_ = true;

@@ -1,7 +1,7 @@
 """The knob of a board with other work: processor share against latency on the flight scene.
 
 `Deadline` limits its share by `overhead` and `min_interval_ms`. Here both are swept, in virtual
-time. The page [on your board] holds its table and its figure.
+time. Its table and its figure stand in ``notebooks/board.md``.
 """
 
 from __future__ import annotations

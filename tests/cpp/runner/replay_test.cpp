@@ -277,7 +277,7 @@ TEST(Replay, AValidatorThatRefusesLeavesABalancedLedger) {
   EXPECT_EQ(replay.ledger(), (Ledger{.received = 701, .rejected = 1, .delivered = 700}));
 }
 
-// What comes out where the callback throws after two events.
+// Returns the code of the trouble that the callback makes after two events.
 int trouble_after_two(Replay& replay, EventSource& source) {
   return trouble_of([&] {
     replay.run(
