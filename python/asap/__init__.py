@@ -117,7 +117,7 @@ _NAMES = {
     "Tracks": "experiment",
     "check": "inspection",
     "compare": "experiment",
-    "convert": "conversion",
+    "convert": "io.conversion",
     "info": "inspection",
     "last_run": "experiment",
     "load_run": "results",
@@ -134,7 +134,6 @@ _NAMES = {
 if TYPE_CHECKING:
     from asap import analysis, plots, synthetic
     from asap.camera import Camera, CameraError, SoftwareCamera, cameras, open_camera, record
-    from asap.conversion import convert
     from asap.experiment import (
         Comparison,
         Pipeline,
@@ -148,6 +147,7 @@ if TYPE_CHECKING:
     )
     from asap.experiment import map as map
     from asap.inspection import Inspection, check, info
+    from asap.io.conversion import convert
     from asap.results import load_run, table
     from asap.tiled import Tiled
     from asap.viewer import view

@@ -18,7 +18,8 @@ import pytest
 import asap
 import corrupt
 import streams
-from asap import _progress, analysis, demo
+from asap import _progress, analysis
+from asap.cli import demo
 from asap.cli.algorithms import ALGORITHMS, algorithm_of, chosen
 from event_files import write_csv
 

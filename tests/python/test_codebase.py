@@ -36,21 +36,12 @@ MAY_INCLUDE = {
 
 # A module of asap may import those on lines above its own.
 PYTHON_LAYERS = (
-    {"_core", "_checks"},
-    {"tiled"},
-    {"_units"},
-    {"_values"},
-    {"_columns"},
-    {"events"},
-    {"_order"},
+    {"_core", "_checks", "_process", "_progress", "_units"},
+    {"events", "tiled"},
     {"io", "synthetic"},
     {"results"},
-    {"experiment"},
-    {"analysis", "conversion", "plots"},
-    {"_playback", "_recorder"},
-    {"_rerun", "camera", "inspection", "monitor"},
-    {"_progress", "viewer"},
-    {"demo"},
+    {"analysis", "experiment", "plots"},
+    {"camera", "inspection", "viewer"},
     {"cli"},
     {"__main__"},
 )

@@ -11,7 +11,7 @@ import asap
 import streams
 from asap.experiment import comparing as contenders
 from asap.experiment.comparing import side_by_side
-from asap.experiment.source import CheckedStream
+from asap.io.source import CheckedStream
 
 COST = asap.LinearCost(alpha_us=100, beta_ns=300, noise=0.05, seed=3)
 EVENTS = streams.poisson(6e6, 0.1)  # rho = 1.8

@@ -15,8 +15,8 @@ import pytest
 import asap
 import corrupt
 from asap import cli
-from asap.conversion import WRITERS
 from asap.events import Events
+from asap.io.conversion import WRITERS
 from event_files import assert_equal_events
 
 EVENTS = corrupt.clean_events(3000)

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import asap
-from asap import analysis, demo
+from asap import analysis
+from asap.cli import demo
 
 
 @pytest.fixture(scope="module")

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 import asap
-from asap._columns import FIELD_NAMES
+from asap.events.columns import FIELD_NAMES
 from fuzzing import INTERESTING, effort
 
 NUMBERS = ("u1", "u2", "u4", "u8", "i1", "i2", "i4", "i8", "f2", "f4", "f8", "?")

@@ -18,8 +18,9 @@ import numpy as np
 import pytest
 
 import streams
-from asap import cli, monitor
+from asap import cli
 from asap.experiment.telemetry import TELEMETRY_DTYPE, TelemetryFile
+from asap.viewer import monitor
 
 console = pytest.importorskip("rich.console", reason="needs the extra monitor")
 

@@ -19,7 +19,7 @@ import pytest
 
 import asap
 import streams
-from asap.conversion import WRITERS
+from asap.io.conversion import WRITERS
 from children import run_script
 
 WIDTH, HEIGHT = 346, 260

@@ -32,7 +32,7 @@ def players() -> list[int]:
     for folder in Path("/proc").glob("[0-9]*"):
         try:
             parent = int((folder / "stat").read_text().rpartition(")")[2].split()[1])
-            plays = b"_playback" in (folder / "cmdline").read_bytes()
+            plays = b"asap.camera.playback" in (folder / "cmdline").read_bytes()
         except OSError:  # it has ended meanwhile
             continue
         if parent == os.getpid() and plays:

@@ -19,7 +19,8 @@ import pytest
 
 import asap
 import streams
-from asap import _rerun, cli, viewer
+from asap import cli, viewer
+from asap.viewer.rerun import PORT
 
 pytest.importorskip("rerun", reason="needs the extra view")
 
@@ -234,7 +235,7 @@ def guarded(tmp_path: Path) -> dict[str, str]:
 
 def is_open() -> bool:
     with socket.socket() as listener:
-        return listener.connect_ex(("127.0.0.1", _rerun.PORT)) == 0
+        return listener.connect_ex(("127.0.0.1", PORT)) == 0
 
 
 def view(folder: Path, target: str, environment: dict[str, str]) -> None:
@@ -264,7 +265,7 @@ def test_a_viewer_is_talked_to_on_the_loopback_alone(
     if is_open():
         pytest.skip("a viewer is open on this machine")
     rerun = Path(rerun_cli.__file__).parent / "rerun"
-    address = f"--serve-grpc --bind 127.0.0.1 --port {_rerun.PORT} --save got.rrd".split()
+    address = f"--serve-grpc --bind 127.0.0.1 --port {PORT} --save got.rrd".split()
     server = subprocess.Popen([rerun, *address], cwd=tmp_path, env=guarded | {"CI": "1"})
     try:
         while not is_open():

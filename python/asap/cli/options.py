@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 import asap
 from asap import _checks, _units
-from asap._values import TIME_EXPONENTS
+from asap.events.values import TIME_EXPONENTS
 from asap.results import saved
 
 T = TypeVar("T")

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import asap
-from asap import _progress, _units, conversion
+from asap import _progress, _units
 from asap.cli.algorithms import (
     ALGORITHMS,
     FILTERS,
@@ -55,6 +55,7 @@ from asap.cli.outcome import (
     usage,
     writing,
 )
+from asap.io.conversion import WRITERS, format_of
 from asap.io.errors import CutFile
 
 
@@ -66,7 +67,7 @@ def _add_demo(verbs: Any) -> None:
 
 def _demo(arguments: Any) -> int:
     need_report()
-    from asap import demo
+    from asap.cli import demo
 
     with writing(arguments.out), _progress.on_terminal() as on_progress:
         runs, paths = demo.run(arguments.out, quick=arguments.quick, on_progress=on_progress)
@@ -228,7 +229,7 @@ def _add_monitor(verbs: Any) -> None:
 
 
 def _monitor(arguments: Any) -> int:
-    from asap import monitor
+    from asap.viewer import monitor
 
     path = Path(arguments.file[0])
     with reading(arguments):
@@ -345,9 +346,9 @@ def _add_convert(verbs: Any) -> None:
     verb.add_argument("out", type=writable, metavar="OUT", help="the file to write")
     verb.add_argument(
         "--format",
-        choices=tuple(conversion.WRITERS),
+        choices=tuple(WRITERS),
         metavar="NAME",
-        help=f"{', '.join(conversion.WRITERS)} (default: the suffix of OUT; .raw is evt3)",
+        help=f"{', '.join(WRITERS)} (default: the suffix of OUT; .raw is evt3)",
     )
     verb.add_argument("--relative", action="store_true", help="count the time from the first event")
 
@@ -355,7 +356,7 @@ def _add_convert(verbs: Any) -> None:
 def _convert(arguments: Any) -> int:
     out = arguments.out
     with usage():
-        to = conversion.format_of(out, arguments.format)
+        to = format_of(out, arguments.format)
     with reading(arguments):
         recording = open_recording(arguments)
         with writing(out):

@@ -18,7 +18,7 @@ from asap.experiment.runners import (
     make_config,
     remember,
 )
-from asap.experiment.source import CheckedStream
+from asap.io.source import CheckedStream
 from asap.results import Comparison, Row, Run
 from asap.results.cost import RATE_SHARE, Cost
 

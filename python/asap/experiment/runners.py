@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from asap import _checks, _core
-from asap.experiment.source import Source
 from asap.experiment.tracks import Tracks
+from asap.io.source import Source
 from asap.results import Ledger, Run
 from asap.results.run import with_first
 

@@ -9,11 +9,11 @@ from typing import Any
 
 from asap import _checks, analysis
 from asap.experiment.runners import Progress
-from asap.experiment.source import names_files
 from asap.inspection.findings import judge
 from asap.inspection.meters import BadEvents, Meters
 from asap.inspection.raw_source import RawSource
 from asap.io import TruncatedFileWarning, read
+from asap.io.source import names_files
 from asap.results import Inspection
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from asap import _units
-from asap._values import unit_doubt
+from asap.events.values import unit_doubt
 from asap.inspection.meters import (
     ALONE_US,
     GAP_US,

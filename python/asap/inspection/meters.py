@@ -13,9 +13,9 @@ import numpy as np
 import numpy.typing as npt
 
 from asap import _core
-from asap._order import NEW_EPOCH_US
-from asap._values import HEAD
 from asap.events import EVENT_DTYPE, Events
+from asap.events.order import NEW_EPOCH_US
+from asap.events.values import HEAD
 from asap.results.inspection import BINS_FROM_US
 from asap.results.numbers import PeakCount
 

@@ -11,14 +11,14 @@ import numpy as np
 
 from asap._checks import sensor, sides
 from asap._checks import source as check_source
-from asap._columns import columns_of
-from asap._values import Events, is_event_memory
-from asap.experiment.source import is_iterable_of_arrays, names_files
+from asap.events.columns import columns_of
+from asap.events.values import Events, is_event_memory
 from asap.io import Recording, read
 from asap.io.columns import events_of
 from asap.io.errors import CutFile
 from asap.io.reader import Losses, Options
 from asap.io.sniff import sniff
+from asap.io.source import is_iterable_of_arrays, names_files
 
 BLOCK = 1 << 16  # events in a block, at most
 

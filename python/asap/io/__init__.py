@@ -1,6 +1,6 @@
 """Event files: which format it is, and the events in it, checked and in chunks."""
 
-from asap._order import Slice
+from asap.events.order import Slice
 from asap.io.errors import (
     CorruptFile,
     LossWarning,

@@ -15,7 +15,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from asap._values import Events, pack
+from asap.events.values import Events, pack
 from asap.io.columns import events_of, first_us, row_before
 from asap.io.errors import HARMLESS, MAX_RATIO, CorruptFile, foreign, library
 from asap.io.reader import CHUNK, Losses, Options, choose_stream, expected_of, sensor_size

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from asap._columns import columns_by_order, columns_of
-from asap._values import (
+from asap.events.columns import columns_by_order, columns_of
+from asap.events.values import (
     Columns,
     Events,
     Misfit,

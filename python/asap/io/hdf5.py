@@ -21,9 +21,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from asap import _values
-from asap._columns import FIELD_NAMES
-from asap._values import Events
+from asap.events.columns import FIELD_NAMES
+from asap.events.values import MAX, Events, shifted
 from asap.io.columns import (
     as_rows,
     by_order,
@@ -125,7 +124,7 @@ class Hdf5Reader:
             source = by_order(self._path, self._layout.name, rows["matrix"], self._order)
         elif self._layout.t_offset and not self._adds_later:
             offset = np.asarray(self._layout.t_offset)
-            source = rows | {"t": _values.shifted(rows["t"], offset)}
+            source = rows | {"t": shifted(rows["t"], offset)}
         for events in pieces_of(source, self._options, losses, first):
             if self._layout.t_offset and self._adds_later:
                 events["t"] += self._layout.t_offset
@@ -379,7 +378,7 @@ def _offset(path: Path, group: Any) -> int:
         offset = np.asarray(stated).reshape(-1)
         if offset.size == 1 and offset.dtype.kind in "iuf":
             us = offset[0].item()
-            if abs(us) <= _values.MAX and us == int(us):
+            if abs(us) <= MAX and us == int(us):
                 return int(us)
         raise CorruptFile(path, 0, f"{place.name}: t_offset: one number of us is needed")
     return 0

@@ -18,8 +18,8 @@ import numpy as np
 import numpy.typing as npt
 
 from asap._checks import named
-from asap._columns import FIELD_NAMES
-from asap._values import Columns, Events
+from asap.events.columns import FIELD_NAMES
+from asap.events.values import Columns, Events
 from asap.io.columns import as_rows, by_order, file_columns, pieces_of
 from asap.io.errors import (
     CorruptFile,

@@ -19,8 +19,8 @@ import numpy.typing as npt
 from numpy.lib import format as npy
 
 from asap import _core
-from asap._columns import FIELD_NAMES
-from asap._values import Events
+from asap.events.columns import FIELD_NAMES
+from asap.events.values import Events
 from asap.io.columns import (
     as_rows,
     events_of,

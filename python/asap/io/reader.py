@@ -15,8 +15,8 @@ import numpy.typing as npt
 
 from asap import _units
 from asap._checks import named, number
-from asap._columns import check_order
-from asap._values import EVENT_DTYPE, Events, time_exponent
+from asap.events.columns import check_order
+from asap.events.values import EVENT_DTYPE, Events, time_exponent
 from asap.io.errors import CorruptFile, LossWarning, TruncatedFileWarning
 
 CHUNK = 1 << 16  # events that a reader hands on at once, about

@@ -14,9 +14,9 @@ from typing import Any, cast
 import numpy as np
 import numpy.typing as npt
 
-from asap import _checks, _core, _units, _values
-from asap._order import Slice, by_count, by_time, sorted_within, within
-from asap._values import HEAD, Events, plain_view, unit_doubt
+from asap import _checks, _core, _units
+from asap.events.order import Slice, by_count, by_time, sorted_within, within
+from asap.events.values import HEAD, MAX, Events, plain_view, unit_doubt
 from asap.io.errors import LossWarning, NoGoodEvent
 from asap.io.native import NativeReader
 from asap.io.parts import PartsReader
@@ -221,7 +221,7 @@ class Recording:
             return
         first_us = next((int(chunk["t"][0]) for chunk in self._checked()), 0)
         begin_us = first_us + round(1e6 * (start or 0.0))
-        end_us = _values.MAX if stop is None else first_us + round(1e6 * stop)
+        end_us = MAX if stop is None else first_us + round(1e6 * stop)
         self._window_us = begin_us, end_us
         is_empty = True
         for events in within(self._checked(begin_us), begin_us, end_us):

@@ -22,8 +22,8 @@ from typing import IO
 import numpy as np
 
 from asap import _core
-from asap._columns import FIELD_NAMES, check_order
-from asap._values import Events, are_thousands, time_exponent
+from asap.events.columns import FIELD_NAMES, check_order
+from asap.events.values import Events, are_thousands, time_exponent
 from asap.io.columns import check_polarity, first_us, row_before
 from asap.io.errors import CorruptFile, unclear_unit
 from asap.io.reader import Losses, Options

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from asap import _core
-from asap.experiment.source import CheckedStream
+from asap.io.source import CheckedStream
 from asap.synthetic import joined
 from asap_laboratory import _native
 

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from asap import plots
 from asap.experiment.comparing import side_by_side
-from asap.experiment.source import CheckedStream
+from asap.io.source import CheckedStream
 from asap_laboratory.page import Rows, fixed, only
 from asap_laboratory.profiles import LATENCY_MS
 from asap_laboratory.schemes.cases import NAMED, Case

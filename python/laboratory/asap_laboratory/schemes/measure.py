@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from asap.experiment import Run
 from asap.experiment.comparing import Contender, side_by_side
-from asap.experiment.source import CheckedStream
+from asap.io.source import CheckedStream
 from asap_laboratory.clairvoyant import exact_if_few
 from asap_laboratory.page import Row, Rows
 from asap_laboratory.profiles import Scenario

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from asap import _core
 from asap.experiment import simulate
 from asap.experiment.comparing import side_by_side
-from asap.experiment.source import CheckedStream
+from asap.io.source import CheckedStream
 from asap_laboratory import _native
 from asap_laboratory.clairvoyant import exact_oracle
 from asap_laboratory.page import Rows

@@ -14,9 +14,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from asap import _values
 from asap._checks import named, unmasked
-from asap._values import Column, Columns
+from asap.events.values import MAX, Column, Columns, check_precision, shifted
 
 # What the producers call the four columns.
 FIELD_NAMES = {
@@ -155,7 +154,7 @@ def _find(source: Any, order: str | None) -> Mapping[str, Any]:
         for place in (source, getattr(source, "parent", None)):  # of DSEC, beside the group
             if isinstance(place, Mapping) and "t_offset" in place:
                 t = _numeric("t", found["t"])
-                return found | {"t": _values.shifted(t, np.asarray(place["t_offset"]))}
+                return found | {"t": shifted(t, np.asarray(place["t_offset"]))}
         return found
     if isinstance(source, (list, tuple)):
         return _of_sequence(source, order)
@@ -239,7 +238,7 @@ def _joined(role: str, parts: list[Column]) -> Column:
     kinds = {part.dtype.kind for part in parts}
     if kinds == {"i", "u"} and np.result_type(*parts).kind == "f":
         for part in parts:
-            if part.size and int(part.max()) > _values.MAX:
+            if part.size and int(part.max()) > MAX:
                 raise ValueError(f"{role} = {part.max()}: no whole number of 64 bits with a sign")
         parts = [part.astype(np.int64) for part in parts]
     return np.concatenate(parts)
@@ -310,7 +309,7 @@ def _numeric(role: str, column: Any, exponent: int = 6) -> Column:
     if values.dtype.kind != "f":
         return _native(values)
     if role == "t":
-        _values.check_precision(values, exponent)
+        check_precision(values, exponent)
     with np.errstate(over="ignore"):  # what becomes infinite is refused by its value
         return values.astype(np.float64, copy=False)
 

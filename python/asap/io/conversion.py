@@ -14,8 +14,8 @@ import numpy.typing as npt
 
 from asap import _checks, _core
 from asap.events import Events
-from asap.experiment.source import Source
 from asap.io.reader import losses_of
+from asap.io.source import Source
 from asap.io.writers import (
     Writer,
     replacing,

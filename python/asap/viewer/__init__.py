@@ -1,6 +1,6 @@
 """view: a run in Rerun, or its curves as text on the terminal.
 
-A process of its own draws, see `_rerun` and `monitor`. A thread hands it snapshots, at most 15 a
+A process of its own draws, see `rerun` and `monitor`. A thread hands it snapshots, at most 15 a
 second: if that process is stalled or killed, only this thread waits or ends.
 """
 
@@ -19,15 +19,16 @@ from typing import Any
 
 import numpy as np
 
-from asap import _checks, _rerun, monitor
-from asap._playback import begun
-from asap._rerun import PORT
+from asap import _checks
+from asap._process import begun
 from asap.events import EVENT_DTYPE
 from asap.experiment.pipeline import Pipeline
 from asap.experiment.telemetry import TELEMETRY_DTYPE, Rows, as_rows
 from asap.io.errors import library
 from asap.results import Run
 from asap.results.pictures import found_by, frames
+from asap.viewer import monitor, rerun
+from asap.viewer.rerun import PORT
 
 __all__ = ["View", "view"]
 
@@ -100,7 +101,7 @@ def draw(target: str) -> None:
     with suppress(OSError, AttributeError):  # as on Linux: at once, where one of the run wakes up
         os.sched_setscheduler(0, os.SCHED_IDLE, os.sched_param(0))
     is_text = target == "terminal"
-    opened: Any = monitor.shown("asap run") if is_text else _rerun.shown(target)
+    opened: Any = monitor.shown("asap run") if is_text else rerun.shown(target)
     with opened as show:
         while head := sys.stdin.buffer.read(_HEAD):
             size = int.from_bytes(head, "little")
@@ -136,7 +137,7 @@ class View:
             _checks.ending("target", path, (".rrd",), remedy)
             target = str(path.absolute())
             self._file = path
-        self._process = begun(f"viewer.draw({target!r})")
+        self._process = begun(draw, target)
         self._pipe: Any = self._process.stdin
         self._closing = threading.Event()
         self._thread: threading.Thread | None = None

@@ -18,14 +18,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from asap import _checks
-from asap._playback import Playback
-from asap._recorder import Recorder
-from asap.conversion import in_order, losses
+from asap.camera.playback import Playback
+from asap.camera.recorder import Recorder
 from asap.events import EVENT_DTYPE
 from asap.experiment.live_run import CameraRun
 from asap.experiment.pipeline import Pipeline
-from asap.experiment.source import Source
+from asap.io.conversion import in_order, losses
 from asap.io.errors import library
+from asap.io.source import Source
 from asap.results import Run
 
 __all__ = ["Camera", "CameraError", "CameraInfo", "Packet", "SoftwareCamera"]

@@ -12,7 +12,6 @@ import os
 import queue
 import select
 import shutil
-import signal
 import struct
 import subprocess
 import sys
@@ -26,6 +25,7 @@ from typing import Any
 
 import numpy as np
 
+from asap._process import begun
 from asap.events import EVENT_DTYPE, Events
 from asap.io.errors import NoGoodEvent
 
@@ -33,22 +33,6 @@ _HEAD = struct.Struct("<dQQQ?")  # came, s of the wall clock; events, backlog, d
 _RING = 1000  # packets
 _WAIT_S = 0.1
 _PIPE_BYTES = 1 << 20
-
-
-def begun(call: str, **pipes: Any) -> subprocess.Popen[bytes]:
-    """Begin a process that calls a function of a module of asap, with a pipe into it.
-
-    Signals that end are for the user's process alone. A session of its own would do so too, but
-    have a share of the processor for itself, within which alone a priority counts.
-    """
-    name = call.partition(".")[0]
-    code = f"import sys; sys.path[:] = {sys.path!r}; from asap import {name}; {call}"
-    ends = {signal.SIGINT, signal.SIGTERM, signal.SIGHUP}
-    mask = signal.pthread_sigmask(signal.SIG_BLOCK, ends)
-    try:
-        return subprocess.Popen([sys.executable, "-c", code], stdin=subprocess.PIPE, **pipes)
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
 
 
 class Playback:
@@ -64,8 +48,7 @@ class Playback:
 
     def __init__(self, chunks: Iterable[Events], size: tuple[int, int], *how: Any) -> None:
         self.properties = lambda: SimpleNamespace(width=size[0], height=size[1])
-        call = f"_playback.play{how!r}"
-        self.process = begun(call, stdout=subprocess.PIPE, bufsize=0)
+        self.process = begun(play, *how, stdout=subprocess.PIPE, bufsize=0)
         pipes: tuple[Any, Any] = self.process.stdin, self.process.stdout
         self._in, self._out = pipes
         self._poll = select.poll()
@@ -94,9 +77,11 @@ class Playback:
             raise NoGoodEvent("source: holds no events; give some to play")
 
     def name(self) -> str:
+        """Return what stands for the driver's."""
         return "SoftwareCamera"
 
     def serial(self) -> str:
+        """Return what tells it from another one."""
         return str(self.process.pid)
 
     def backlog(self) -> int:

@@ -11,8 +11,8 @@ import numpy as np
 from asap import _core
 from asap._checks import named, number, sensor
 from asap._checks import source as check_source
-from asap._columns import is_chunk, opened
 from asap.events import Events, as_events
+from asap.events.columns import is_chunk, opened
 from asap.io import Recording, read
 
 _LOOK = 256  # events in which the first good one is searched at once

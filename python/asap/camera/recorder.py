@@ -11,9 +11,9 @@ from tempfile import NamedTemporaryFile
 from typing import Any
 
 from asap import _core
-from asap.conversion import WRITERS, convert, format_of
 from asap.events import Events, as_events
 from asap.io import read
+from asap.io.conversion import WRITERS, convert, format_of
 from asap.io.writers import Growing
 
 _GROWING = ("npy", "csv", "es", "evt3", "aedat4")  # can be read while they are written

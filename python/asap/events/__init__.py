@@ -13,9 +13,20 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from asap import _columns, _values
 from asap._checks import flag, named
-from asap._values import EVENT_DTYPE, Events
+from asap.events.columns import by_name, check_order, columns_of
+from asap.events.values import (
+    EVENT_DTYPE,
+    Events,
+    Misfit,
+    are_thousands,
+    check_polarity,
+    doubt_of_unit,
+    is_event_memory,
+    pack,
+    plain_view,
+    time_exponent,
+)
 
 __all__ = ["EVENT_DTYPE", "Events", "as_events", "events_of_argument", "to_dtype"]
 
@@ -79,17 +90,17 @@ def as_events(
     UserWarning
         Whole times without a unit that can hardly be microseconds.
     """
-    exponent = 0 if time_unit is None else _values.time_exponent(time_unit)
+    exponent = 0 if time_unit is None else time_exponent(time_unit)
     if order is not None:
-        _columns.check_order(order)
+        check_order(order)
     if copy is not None:
         flag("copy", copy)
     is_ours = isinstance(source, np.ndarray) and source.dtype == EVENT_DTYPE
-    if is_ours and not copy and _values.is_event_memory(source):
+    if is_ours and not copy and is_event_memory(source):
         p = source["p"]
         if p.size == 0 or (p.min() >= 0 and p.max() <= 1):
-            return _values.plain_view(source)
-    columns = _columns.columns_of(source, order, exponent=exponent)
+            return plain_view(source)
+    columns = columns_of(source, order, exponent=exponent)
     if copy is False:
         raise ValueError(
             "copy = False: this source cannot be taken without a copy; give a contiguous array in "
@@ -102,18 +113,18 @@ def as_events(
                 f"time_unit = None: t is {t.dtype}; floating times need their unit, give "
                 "asap.as_events(..., time_unit='s')"
             )
-        if _values.are_thousands(t):
+        if are_thousands(t):
             raise ValueError(
                 "time_unit = None: t are whole multiples of 1000; give "
                 "asap.as_events(..., time_unit='us') or time_unit='ns'"
             )
-        if doubt := _values.doubt_of_unit(t):
+        if doubt := doubt_of_unit(t):
             warnings.warn(f"t: {doubt} to asap.as_events", stacklevel=2)
     if "p" in columns:
-        _values.check_polarity(columns["p"], is_ours)
-    events = _values.pack(columns, exponent)
+        check_polarity(columns["p"], is_ours)
+    events = pack(columns, exponent)
     if events is None:
-        raise _values.Misfit(columns, exponent)
+        raise Misfit(columns, exponent)
     return events
 
 
@@ -124,7 +135,7 @@ def events_of_argument(field: str, events: Any, *, marks: bool = False) -> Event
     """
     try:
         return as_events(events)
-    except _values.Misfit as error:
+    except Misfit as error:
         if not marks:
             raise
         return error.marked()
@@ -156,7 +167,7 @@ def to_dtype(events: Any, dtype: npt.DTypeLike) -> npt.NDArray[np.void]:
     events, target = events_of_argument("events", events), np.dtype(dtype)
     places = {name: field[:2] for name, field in (target.fields or {}).items()}
     result = np.zeros(len(events), target)
-    fields = _columns.by_name(result, places, None)
+    fields = by_name(result, places, None)
     for role in "txyp":
         column, field = events[role], fields[role]
         if field.dtype.kind not in ("biu" if role == "p" else "iu") or field.ndim != 1:
