@@ -40,17 +40,13 @@ class HarrisPatch {
   HarrisPatch(const SensorFrame& frame, double threshold)
       : threshold_(checked_threshold(threshold)), arrivals_(frame) {}
 
-  // The event is the newest of its pixel, which is returned.
-  const Number* take(const Event& event) noexcept {
-    Number* pixel = arrivals_.pixel(event);
-    *pixel = arrivals_.next();
-    return pixel;
-  }
+  void take(const Event& event) noexcept { *arrivals_.pixel(event) = arrivals_.next(); }
 
-  // Precondition: `pixel` took the newest event.
-  bool is_corner(const Number* pixel) noexcept {
+  // Precondition: it took this event last.
+  bool is_corner(const Event& event) noexcept {
     PatchRows rows;
-    return patch_.select(pixel, arrivals_.stride(), rows) && harris_score(rows) > threshold_;
+    return patch_.select(arrivals_.pixel(event), arrivals_.stride(), rows) &&
+           harris_score(rows) > threshold_;
   }
 
   void clear() noexcept {
@@ -64,7 +60,8 @@ class HarrisPatch {
   NewestPatch patch_;
 };
 
-// A rule checks its configuration in the constructor. is_corner() sees every event in the frame.
+// A rule checks its configuration in the constructor. take() sees every event in the frame, and
+// returns whether it may be a corner; is_corner() may be asked about the last one taken, if so.
 
 class EFastRule {
  public:
@@ -73,10 +70,12 @@ class EFastRule {
 
   const SensorFrame& frame() const noexcept { return frame_; }
 
+  bool take(const Event& event) noexcept {
+    *surface_.pixel(event) = surface_.next(event.t);
+    return frame_.contains(event, kRingMargin);
+  }
   bool is_corner(const Event& event) noexcept {
-    Number* pixel = surface_.pixel(event);
-    *pixel = surface_.next(event.t);
-    if (!frame_.contains(event, kRingMargin)) return false;
+    const Number* pixel = surface_.pixel(event);
     return has_newest_arc(CornerRing<kRing3>(pixel, surface_.stride()), 3, 6) &&
            has_newest_arc(CornerRing<kRing4>(pixel, surface_.stride()), 4, 8);
   }
@@ -97,11 +96,13 @@ class ArcStarRule {
 
   const SensorFrame& frame() const noexcept { return frame_; }
 
-  bool is_corner(const Event& event) noexcept {
+  bool take(const Event& event) noexcept {
     if (!filter_.passes(event)) return false;
-    Number* pixel = surface_.pixel(event);
-    *pixel = surface_.next(filter_.now_us());
-    return frame_.contains(event, kRingMargin) && has_corner_arcs(pixel, surface_.stride());
+    *surface_.pixel(event) = surface_.next(filter_.now_us());
+    return frame_.contains(event, kRingMargin);
+  }
+  bool is_corner(const Event& event) noexcept {
+    return has_corner_arcs(surface_.pixel(event), surface_.stride());
   }
 
   void clear() noexcept {
@@ -122,10 +123,11 @@ class EHarrisRule {
 
   const SensorFrame& frame() const noexcept { return frame_; }
 
-  bool is_corner(const Event& event) noexcept {
-    const Number* pixel = patch_.take(event);
-    return has_window(event) && patch_.is_corner(pixel);
+  bool take(const Event& event) noexcept {
+    patch_.take(event);
+    return has_window(event);
   }
+  bool is_corner(const Event& event) noexcept { return patch_.is_corner(event); }
 
   void clear() noexcept { patch_.clear(); }
 
@@ -150,16 +152,18 @@ class FAHarrisRule {
 
   const SensorFrame& frame() const noexcept { return frame_; }
 
-  bool is_corner(const Event& event) noexcept {
+  bool take(const Event& event) noexcept {
     if (!frame_.contains(event, kRingMargin)) {
       filter_.pass_over(event);
       return false;
     }
     if (!filter_.passes(event)) return false;
-    Number* stamp = stamps_.pixel(event);
-    *stamp = stamps_.next(filter_.now_us());
-    const Number* pixel = patch_.take(event);
-    return has_corner_arcs(stamp, stamps_.stride()) && patch_.is_corner(pixel);
+    *stamps_.pixel(event) = stamps_.next(filter_.now_us());
+    patch_.take(event);
+    return true;
+  }
+  bool is_corner(const Event& event) noexcept {
+    return has_corner_arcs(stamps_.pixel(event), stamps_.stride()) && patch_.is_corner(event);
   }
 
   void clear() noexcept {
@@ -177,14 +181,14 @@ class FAHarrisRule {
 
 namespace {
 
-// One event: false, and counted, if it lies outside the frame.
+// Whether an event may be a corner; false, and counted, if it lies outside the frame.
 template <class Rule>
-bool label(Rule& rule, const Event& event, std::uint64_t& rejected) noexcept {
+bool take(Rule& rule, const Event& event, std::uint64_t& rejected) noexcept {
   if (!rule.frame().contains(event)) [[unlikely]] {
     ++rejected;
     return false;
   }
-  return rule.is_corner(event);
+  return rule.take(event);
 }
 
 }  // namespace
@@ -204,7 +208,9 @@ template <class Rule, class Configuration>
 std::size_t CornerDetector<Rule, Configuration>::process(EventSpan events) noexcept {
   Rule& rule = *rule_;
   std::size_t corners = 0;
-  for (const Event& event : events) corners += label(rule, event, rejected_);
+  for (const Event& event : events) {
+    corners += take(rule, event, rejected_) && rule.is_corner(event);
+  }
   return corners;
 }
 
@@ -214,7 +220,19 @@ void CornerDetector<Rule, Configuration>::process(EventSpan events,
   require(corners.size() == events.size(), "corners.size()", corners.size(),
           "must be the number of events");
   Rule& rule = *rule_;
-  for (std::size_t i = 0; i < events.size(); ++i) corners[i] = label(rule, events[i], rejected_);
+  for (std::size_t i = 0; i < events.size(); ++i) {
+    corners[i] = take(rule, events[i], rejected_) && rule.is_corner(events[i]);
+  }
+}
+
+template <class Rule, class Configuration>
+void CornerDetector<Rule, Configuration>::process(EventSpan events, std::span<std::uint8_t> corners,
+                                                  const std::uint32_t* places) noexcept {
+  Rule& rule = *rule_;
+  for (std::size_t i = 0; i < events.size(); ++i) {
+    const bool may_be = take(rule, events[i], rejected_);
+    if (places[i] < corners.size()) corners[places[i]] = may_be && rule.is_corner(events[i]);
+  }
 }
 
 template <class Rule, class Configuration>

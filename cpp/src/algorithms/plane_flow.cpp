@@ -1,5 +1,7 @@
 #include "asap/algorithms/plane_flow.hpp"
 
+#include <utility>
+
 #include "algorithms/plane_fit.hpp"
 #include "algorithms/recent_times.hpp"
 #include "algorithms/sensor_frame.hpp"
@@ -35,7 +37,8 @@ class PlaneFlow::Impl {
         burst_us_(static_cast<Time>(config.window.count() / kBurstsPerWindow)),
         times_((config.refit ? 2 : 4) * plane_ + PlaneFit::kLanes, RecentTimes::kLongAgo) {}
 
-  bool update(const Event& event, Flow& flow) noexcept {
+  // Takes the event; `flow` may be none.
+  bool update(const Event& event, Flow* flow) noexcept {
     if (!frame_.contains(event)) [[unlikely]] {
       ++rejected;
       return false;
@@ -43,13 +46,17 @@ class PlaneFlow::Impl {
     const Time now = times_.time_of(event.t);
     Time* const own = times_.data() + (event.p > 0 ? plane_ : 0) + (event.y + kBorder) * stride_ +
                       event.x + kBorder;
+    if (!config.refit && burst_goes_on(now, own)) return false;
+    *own = now;
     TimePlane plane;
-    if (!(config.refit ? fit_as_published(now, own, plane) : fit(now, own, plane))) return false;
+    if (flow == nullptr || !(config.refit ? fit_as_published(own, plane) : fit(own, plane))) {
+      return false;
+    }
     const double squared_slope = plane.a * plane.a + plane.b * plane.b;
     if (is_flat(squared_slope)) return false;
     constexpr double kUsPerS = 1e6;
-    flow.vx = static_cast<float>(kUsPerS * plane.a / squared_slope);
-    flow.vy = static_cast<float>(kUsPerS * plane.b / squared_slope);
+    flow->vx = static_cast<float>(kUsPerS * plane.a / squared_slope);
+    flow->vy = static_cast<float>(kUsPerS * plane.b / squared_slope);
     return true;
   }
 
@@ -64,19 +71,17 @@ class PlaneFlow::Impl {
  private:
   using Time = RecentTimes::Time;
 
-  bool fit(Time now, Time* own, TimePlane& plane) noexcept {
-    Time& latest = own[2 * plane_];
-    const bool first = latest < now - burst_us_;
-    latest = now;
-    if (!first) return false;
-    *own = now;
+  bool burst_goes_on(Time now, Time* own) noexcept {
+    return std::exchange(own[2 * plane_], now) >= now - burst_us_;
+  }
+
+  bool fit(const Time* own, TimePlane& plane) const noexcept {
     TrimmedPlaneFit fit(own, static_cast<std::ptrdiff_t>(stride_),
                         static_cast<Time>(config.window.count()));
     return fit.fit(static_cast<std::size_t>(config.min_points), plane);
   }
 
-  bool fit_as_published(Time now, Time* own, TimePlane& plane) const noexcept {
-    *own = now;
+  bool fit_as_published(const Time* own, TimePlane& plane) const noexcept {
     PlaneFit fit(own, static_cast<std::ptrdiff_t>(stride_),
                  static_cast<Time>(config.window.count()));
     if (fit.points() < config.min_points || !fit.fit(plane)) return false;
@@ -105,7 +110,7 @@ std::size_t PlaneFlow::process(EventSpan events) noexcept {
   std::size_t with_flow = 0;
   for (const Event& event : events) {
     Flow flow;
-    with_flow += impl.update(event, flow);
+    with_flow += impl.update(event, &flow);
   }
   return with_flow;
 }
@@ -117,9 +122,17 @@ std::size_t PlaneFlow::process(EventSpan events, std::span<Flow> flows) {
   std::size_t with_flow = 0;
   for (std::size_t i = 0; i < events.size(); ++i) {
     flows[i] = {};
-    with_flow += impl.update(events[i], flows[i]);
+    with_flow += impl.update(events[i], &flows[i]);
   }
   return with_flow;
+}
+
+void PlaneFlow::process(EventSpan events, std::span<Flow> flows,
+                        const std::uint32_t* places) noexcept {
+  Impl& impl = *impl_;
+  for (std::size_t i = 0; i < events.size(); ++i) {
+    impl.update(events[i], places[i] < flows.size() ? &flows[places[i]] : nullptr);
+  }
 }
 
 void PlaneFlow::set_gamma(double gamma) {

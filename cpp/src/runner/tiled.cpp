@@ -22,6 +22,7 @@ namespace asap::inline v0_1::detail {
 namespace {
 
 constexpr int kMostThreads = 64;
+constexpr std::uint32_t kNoPlace = UINT32_MAX;
 // So that those of a busy half can be dealt to several; each adds its neighbours' rows to the work.
 constexpr int kBandsPerThread = 2;
 
@@ -78,6 +79,7 @@ class Bands::Impl {
         SeenBy& seen = seen_by_[static_cast<std::size_t>(y)];
         if (seen.end == 0) seen.begin = number;
         seen.end = static_cast<std::uint16_t>(number + 1);
+        seen.by_others = seen.end > seen.begin + 1;
         if (rows.first <= y && y < rows.end) seen.owner = number;
       }
       bands_.emplace_back();
@@ -98,15 +100,16 @@ class Bands::Impl {
   }
 
   void start() {
-    left_.store(static_cast<std::uint32_t>(lanes_.size() - 1), std::memory_order_relaxed);
+    left_.store(workers(), std::memory_order_relaxed);
     for (std::size_t number = 1; number < lanes_.size(); ++number) {
       workers_.emplace_back([this, number] { live(number); });
     }
     wait_for_workers();
+    rethrow();
   }
 
   const std::vector<Rows>& all() const noexcept { return all_; }
-  std::uint64_t rejected() const noexcept { return scan_.rejected; }
+  std::uint64_t rejected() const noexcept { return rejected_; }
 
   void process(EventSpan events, std::size_t package) {
     if (failed_.load(std::memory_order_relaxed)) {
@@ -116,21 +119,29 @@ class Bands::Impl {
     const auto begin = System::now();
     events_ = events;
     package_ = package;
-    all_work_ = way.all() && has_workers();
-    if (all_work_) {
-      deal();
-      left_.store(static_cast<std::uint32_t>(lanes_.size() - 1), std::memory_order_relaxed);
+    const bool by_all = way.all() && has_workers() && time_.has_begun();
+    if (by_all) {
+      is_jagged_.store(false, std::memory_order_relaxed);
+      unrouted_.store(workers() + 1, std::memory_order_relaxed);
+      left_.store(workers(), std::memory_order_relaxed);
       call_workers();
+      take_share(0);
+      wait_for_workers();
     }
-    take_share(0);
-    wait_for_workers();
+    if (!by_all || is_jagged_.load(std::memory_order_relaxed)) {
+      take_all();
+    } else {
+      for (const Lane& lane : lanes_) rejected_ += lane.rejected;
+      time_.of(latest_us_);
+    }
+    rethrow();
     const std::chrono::duration<double, std::nano> took = System::now() - begin;
-    way.took(all_work_, took.count() / static_cast<double>(events.size()));
-    scan_ = lanes_[0].scan;
+    way.took(by_all, took.count() / static_cast<double>(events.size()));
   }
 
   void reset() noexcept {
-    scan_ = {};
+    time_ = {};
+    rejected_ = 0;
     failed_.store(false, std::memory_order_relaxed);
   }
 
@@ -152,66 +163,77 @@ class Bands::Impl {
     unsigned packages_ = 0;
   };
 
+  // The time of the whole stream. It counts as one instance counts it, never goes back, and is
+  // positive: a cell without an event may count as fired at 0.
+  class Time {
+   public:
+    std::int64_t of(std::int64_t stamp_us) noexcept {
+      constexpr std::int64_t kLongSince = std::int64_t{1} << 40;  // for every window
+      if (!clock_.started()) first_us_ = std::clamp<std::int64_t>(stamp_us, 1, kLongSince);
+      clock_.advance(stamp_us);
+      return first_us_ + static_cast<std::int64_t>(clock_.now_us() - EventClock::kOrigin_us);
+    }
+    bool has_begun() const noexcept { return clock_.started(); }
+    std::int64_t latest_us() const noexcept { return clock_.latest_us(); }
+
+   private:
+    EventClock clock_;
+    std::int64_t first_us_ = 0;
+  };
+
+  // Each lane has its part of these arrays, which begins where its events begin in the package.
   struct Band {
     std::vector<Event> events = std::vector<Event>(kMostEvents);
     std::vector<std::uint32_t> places = std::vector<std::uint32_t>(kMostEvents);
-    std::size_t thread = 0;  // that works for it when all do
-    std::size_t load = 0;    // events of its own in the package
+    std::size_t load = 0;    // events in the package
+    std::size_t thread = 0;  // that works for it
   };
 
-  // The bands that see a row, and the one whose own it is.
+  // The band whose own a row is, and the bands that see it.
   struct SeenBy {
+    std::uint16_t owner = 0;
     std::uint16_t begin = 0;
     std::uint16_t end = 0;
-    std::uint16_t owner = 0;
+    bool by_others = false;
   };
 
-  // Where the events of a band go to; those of another thread's band go nowhere, without a branch.
+  // Where events of a band go to.
   struct Target {
     Event* events;
     std::uint32_t* places;
     std::size_t size;
-    std::size_t step;
     std::uint32_t low;
   };
 
-  // The whole stream so far. Time counts as one instance counts it, never goes back, and is
-  // positive: a cell without an event may count as fired at 0.
-  struct Scan {
-    std::int64_t time_of(std::int64_t stamp_us) noexcept {
-      constexpr std::int64_t kLongSince = std::int64_t{1} << 40;  // for every window
-      if (!clock.started()) first_us = std::clamp<std::int64_t>(stamp_us, 1, kLongSince);
-      clock.advance(stamp_us);
-      return first_us + static_cast<std::int64_t>(clock.now_us() - EventClock::kOrigin_us);
-    }
-
-    EventClock clock;
-    std::int64_t first_us = 0;
-    std::uint64_t rejected = 0;
-  };
-
-  // What one thread needs.
+  // The part of a package that one thread deals out.
   struct alignas(64) Lane {
     explicit Lane(std::size_t bands) : targets(bands) {}
 
-    std::vector<Target> targets;
-    Scan scan{};
-    std::size_t load = 0;
-    Event nowhere{};
-    std::uint32_t no_place = 0;
+    std::vector<Target> targets;  // one for each band
+    std::uint64_t rejected = 0;
+    std::int64_t latest_us = 0;  // of those in the frame
+    std::size_t load = 0;        // events of its bands
   };
 
+  bool has(const Event& event) const noexcept {
+    return event.x < width_ && event.y < seen_by_.size();
+  }
   bool has_workers() const noexcept { return this_process() == process_; }
+  std::uint32_t workers() const noexcept { return static_cast<std::uint32_t>(lanes_.size() - 1); }
 
   void call_workers() noexcept {
     calls_.fetch_add(1, std::memory_order_release);
     calls_.notify_all();
   }
 
-  // Throws what a thread threw.
-  void wait_for_workers() {
-    while (const std::uint32_t left = left_.load(std::memory_order_acquire))
+  void wait_for_workers() noexcept {
+    while (const std::uint32_t left = left_.load(std::memory_order_acquire)) {
       wait_while(left_, left);
+    }
+  }
+
+  // What a thread threw.
+  void rethrow() {
     if (failed_.load(std::memory_order_relaxed)) std::rethrow_exception(std::exchange(error_, {}));
   }
 
@@ -237,52 +259,104 @@ class Bands::Impl {
     }
   }
 
+  // Deals out a share of the events, waits for the others to do so, and works for its bands.
   void take_share(std::size_t thread) noexcept {
-    Lane& lane = lanes_[thread];
-    const auto is_mine = [&](const Band& band) { return !all_work_ || band.thread == thread; };
-    for (std::size_t i = 0; i < bands_.size(); ++i) {
-      Band& band = bands_[i];
-      lane.targets[i] = is_mine(band) ? Target{band.events.data(), band.places.data(), 0, 1,
-                                               static_cast<std::uint32_t>(all_[i].low)}
-                                      : Target{&lane.nowhere, &lane.no_place, 0, 0, 0};
+    const std::uint32_t seen = dealt_.load(std::memory_order_relaxed);
+    const std::size_t begin = events_.size() * thread / lanes_.size();
+    const std::size_t end = events_.size() * (thread + 1) / lanes_.size();
+    std::size_t before = begin;
+    while (before > 0 && !has(events_[before - 1])) --before;
+    std::int64_t before_us = before > 0 ? events_[before - 1].t : time_.latest_us();
+    const std::int64_t offset_us = Time(time_).of(time_.latest_us()) - time_.latest_us();
+    bool goes_back = false;
+    route(lanes_[thread], begin, end, [&](std::int64_t stamp_us) {
+      goes_back |= stamp_us < before_us;
+      before_us = stamp_us;
+      return stamp_us + offset_us;
+    });
+    if (goes_back) is_jagged_.store(true, std::memory_order_relaxed);
+    if (unrouted_.fetch_sub(1, std::memory_order_acq_rel) == 1) {
+      latest_us_ = time_.latest_us();
+      for (const Lane& lane : lanes_) latest_us_ = std::max(latest_us_, lane.latest_us);
+      if (distance_us(time_.latest_us(), latest_us_) > EventClock::kLongestStep_us) {
+        is_jagged_.store(true, std::memory_order_relaxed);
+      }
+      deal();
+      dealt_.store(seen + 1, std::memory_order_release);
+      dealt_.notify_all();
+    } else {
+      wait_while(dealt_, seen);
     }
-    route(lane);
+    if (is_jagged_.load(std::memory_order_relaxed)) return;
     attempt([&] {
-      for (std::size_t i = 0; i < bands_.size(); ++i) {
-        Band& band = bands_[i];
-        if (!is_mine(band) || failed_.load(std::memory_order_relaxed)) continue;
-        const std::size_t size = lane.targets[i].size;
-        work_({i, EventSpan(band.events).first(size), band.places.data(), package_});
+      for (std::size_t band = 0; band < bands_.size(); ++band) {
+        if (bands_[band].thread != thread) continue;
+        for (std::size_t lane = 0; lane < lanes_.size(); ++lane) work_for(band, lane);
       }
     });
   }
 
-  void route(Lane& lane) const noexcept {
-    Scan scan = scan_;
-    for (std::size_t i = 0; i < events_.size(); ++i) {
-      const Event& event = events_[i];
-      if (event.x >= width_ || event.y >= seen_by_.size()) [[unlikely]] {
-        ++scan.rejected;
+  // Without the others.
+  void take_all() noexcept {
+    route(lanes_[0], 0, events_.size(), [&](std::int64_t stamp_us) { return time_.of(stamp_us); });
+    rejected_ += lanes_[0].rejected;
+    attempt([&] {
+      for (std::size_t band = 0; band < bands_.size(); ++band) work_for(band, 0);
+    });
+  }
+
+  void work_for(std::size_t band, std::size_t lane) {
+    if (failed_.load(std::memory_order_relaxed)) return;
+    const Target& from = lanes_[lane].targets[band];
+    work_({band, EventSpan(from.events, from.size), from.places, lane == 0 ? package_ : 0});
+  }
+
+  template <class TimeOf>
+  void route(Lane& lane, std::size_t begin, std::size_t end, TimeOf time_of) noexcept {
+    for (std::size_t i = 0; i < bands_.size(); ++i) {
+      lane.targets[i] = {&bands_[i].events[begin], &bands_[i].places[begin], 0,
+                         static_cast<std::uint32_t>(all_[i].low)};
+    }
+    // In registers: what is written might be any of these.
+    const std::span<const SeenBy> seen_by = seen_by_;
+    Target* const targets = lane.targets.data();
+    const std::uint32_t width = width_;
+    const Event* const events = events_.data();
+    std::uint64_t rejected = 0;
+    std::int64_t latest_us = time_.latest_us();
+    for (std::size_t i = begin; i < end; ++i) {
+      const Event event = events[i];
+      if (event.x >= width || event.y >= seen_by.size()) [[unlikely]] {
+        ++rejected;
         continue;
       }
-      const std::int64_t t = scan.time_of(event.t);
-      const SeenBy seen = seen_by_[event.y];
+      latest_us = event.t;
+      const std::int64_t t = time_of(event.t);
+      const auto put = [&](std::size_t band, std::uint32_t place) {
+        Target& to = targets[band];
+        const std::size_t at = to.size++;
+        const auto y = static_cast<std::uint16_t>(event.y - to.low);
+        to.places[at] = place;
+        to.events[at] = {.x = event.x, .y = y, .p = event.p, .t = t};
+      };
+      const SeenBy& seen = seen_by[event.y];
+      put(seen.owner, static_cast<std::uint32_t>(i));
+      if (!seen.by_others) [[likely]]
+        continue;
       for (std::size_t band = seen.begin; band < seen.end; ++band) {
-        Target& to = lane.targets[band];
-        to.events[to.size] = {
-            .x = event.x, .y = static_cast<std::uint16_t>(event.y - to.low), .p = event.p, .t = t};
-        to.places[to.size] = band == seen.owner ? static_cast<std::uint32_t>(i) : Part::kNone;
-        to.size += to.step;
+        if (band != seen.owner) put(band, kNoPlace);
       }
     }
-    lane.scan = scan;
+    lane.rejected = rejected;
+    lane.latest_us = latest_us;
   }
 
   // Deals the bands to the threads, the busiest first, each to the one with the least. A sensor is
   // read out row by row, so every package has its own busy bands.
   void deal() noexcept {
-    for (const Event& event : events_) {
-      if (event.y < seen_by_.size()) ++bands_[seen_by_[event.y].owner].load;
+    for (std::size_t band = 0; band < bands_.size(); ++band) {
+      bands_[band].load = 0;
+      for (const Lane& lane : lanes_) bands_[band].load += lane.targets[band].size;
     }
     std::sort(by_load_.begin(), by_load_.end(),
               [](const Band* a, const Band* b) { return a->load > b->load; });
@@ -292,7 +366,7 @@ class Bands::Impl {
           std::min_element(lanes_.begin(), lanes_.end(),
                            [](const Lane& a, const Lane& b) { return a.load < b.load; });
       band->thread = static_cast<std::size_t>(least - lanes_.begin());
-      least->load += std::exchange(band->load, 0);
+      least->load += band->load;
     }
   }
 
@@ -305,18 +379,22 @@ class Bands::Impl {
   std::vector<Band*> by_load_;
   std::vector<Lane> lanes_;                                        // one for each thread
   std::array<FasterWay, std::bit_width(kMostEvents) + 1> ways_{};  // by the size of a package
-  Scan scan_;                                                      // without the package in work
+  Time time_;                                                      // before the package in work
+  std::uint64_t rejected_ = 0;
 
   // The package in work.
   EventSpan events_;
   std::size_t package_ = 0;
-  bool all_work_ = true;
+  std::int64_t latest_us_ = 0;          // stamp in the frame
+  std::atomic<bool> is_jagged_{false};  // for one thread: a stamp goes back, or far ahead
 
   std::exception_ptr error_;  // of the thread that failed first
   std::atomic<bool> failed_{false};
   std::atomic<bool> stops_{false};
   alignas(64) std::atomic<std::uint32_t> calls_{0};
-  alignas(64) std::atomic<std::uint32_t> left_{0};
+  alignas(64) std::atomic<std::uint32_t> unrouted_{0};  // lanes
+  alignas(64) std::atomic<std::uint32_t> dealt_{0};     // packages
+  alignas(64) std::atomic<std::uint32_t> left_{0};      // threads
   std::vector<std::thread> workers_;
   const std::int64_t process_ = this_process();
 };

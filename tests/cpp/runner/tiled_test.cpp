@@ -200,6 +200,38 @@ TYPED_TEST(TiledAlgorithm, IsAsOneInstanceOnJaggedStamps) {
   }
 }
 
+// Each thread sees a half: what no half shows alone. The fifth package is the first that all take.
+TYPED_TEST(TiledAlgorithm, IsAsOneInstanceWhereTwoHalvesOfAPackageMeet) {
+  constexpr std::size_t kSize = 1'000;
+  const auto events = test::wild_stream({.width = 24, .height = 120}, 6 * kSize);
+  for (int fault = 0; fault < 4; ++fault) {
+    auto jagged = events;
+    const auto second = std::span(jagged).subspan(4 * kSize);
+    Event& ahead = second[kSize / 2 - 2];  // in the first half, and what only the upper band sees
+    Event& last = second[kSize / 2 - 1];
+    if (fault == 1 || fault == 2) {
+      ahead.y = last.y = 0;
+      ahead.t = last.t += 200'000;
+    }
+    if (fault == 2) last.y = 120, last.t -= 1'000'000;
+    if (fault == 3) {
+      for (Event& event : second) event.t += std::int64_t{1} << 51;
+      second[kSize - 1].y = 120, second[kSize - 1].t = 0;
+    }
+    const auto config = sized<TypeParam>(24, 120);
+    TypeParam one(config);
+    Tiled<TypeParam> tiled(config, {.threads = 2});
+    Said expected;
+    Said said;
+    for (std::size_t i = 0; i < jagged.size(); i += kSize) {
+      expected.process(one, EventSpan(jagged).subspan(i, kSize));
+      said.process(tiled, EventSpan(jagged).subspan(i, kSize));
+    }
+    EXPECT_TRUE(said == expected) << "fault " << fault;
+    EXPECT_EQ(tiled.rejected(), one.rejected());
+  }
+}
+
 TYPED_TEST(TiledAlgorithm, IsAsOneInstanceOverASilenceOrAStampFarAhead) {
   constexpr int kWidth = 16;
   constexpr int kHeight = 100;

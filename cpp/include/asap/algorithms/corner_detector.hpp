@@ -64,6 +64,9 @@ class CornerDetector {
   // Takes the events, and corners[i] is 1 where events[i] is a corner, else 0. Throws
   // std::invalid_argument if the sizes differ.
   void process(EventSpan events, std::span<std::uint8_t> corners);
+  // As Tiled deals them: corners[places[i]] is the label of events[i], if there is such a place.
+  void process(EventSpan events, std::span<std::uint8_t> corners,
+               const std::uint32_t* places) noexcept;
 
   // The fraction of the events that reaches the detector, in [0, 1]. Checked, without effect: the
   // published rules compare the order of events and hold no rate to correct.

@@ -58,6 +58,8 @@ class PlaneFlow {
   // Takes the events, and flows[i] is that of events[i]. Throws std::invalid_argument if the sizes
   // differ.
   std::size_t process(EventSpan events, std::span<Flow> flows);
+  // As Tiled deals them: flows[places[i]] is that of events[i], if there is such a place.
+  void process(EventSpan events, std::span<Flow> flows, const std::uint32_t* places) noexcept;
 
   // The fraction of the events that reaches the algorithm, in [0, 1]. Checked, without effect: none
   // is needed, and a window grown by 1 / gamma reaches back to edges that passed before.

@@ -7,9 +7,10 @@
 //   using Answer = ...;                      // if it has process(events, std::span<Answer>)
 //
 // and with process(events), set_gamma, reset, rejected and config. Its state may count stamps and
-// pixels, not events: those of other rows are missing. One thread at a time calls it; the others
-// are its own. Whether they are worth their meeting is measured, by the size of the package. No
-// allocation after construction.
+// pixels, not events: those of other rows are missing. With process(events, answers, places) too,
+// see PlaneFlow, it is asked for no answer twice. One thread at a time calls it; the others are its
+// own. Whether they are worth their meeting is measured, by the size of the package. No allocation
+// after construction.
 #pragma once
 
 #include <algorithm>
@@ -49,11 +50,9 @@ class Bands {
 
   // What a band sees of a package, in its own coordinates; stamps never go back.
   struct Part {
-    static constexpr std::uint32_t kNone = UINT32_MAX;
-
     std::size_t band;
     EventSpan events;
-    const std::uint32_t* places;  // of the events in the package; kNone: another band's
+    const std::uint32_t* places;  // of the events in the package; beyond it: of another band's
     std::size_t package;          // events of all bands; 0: more of the same package
   };
 
@@ -112,7 +111,7 @@ class Tiled {
       own.height = rows.high - rows.low;
       instances_.push_back(std::make_unique<Instance>(own));
     }
-    if constexpr (kFilters) passes_.resize(kMost);
+    if constexpr (kAnswers) scratch_.resize(kMost);
   }
 
   Tiled(const Tiled&) = delete;
@@ -124,7 +123,7 @@ class Tiled {
     requires(!kFilters)
   {
     if (is_one()) return static_cast<void>(one().process(events));
-    in_parts(events, [&](EventSpan part, std::size_t) { process(part, nullptr, 0); });
+    in_parts(events, [&](EventSpan part, std::size_t) { process(part, scratch_, 0); });
   }
 
   // answers[i] is that to events[i]; Answer{} if it lies outside the frame. Throws
@@ -135,7 +134,7 @@ class Tiled {
     if (answers.size() != events.size()) detail::refuse_answers(answers.size());
     if (is_one()) return static_cast<void>(one().process(events, answers));
     in_parts(events, [&](EventSpan part, std::size_t) {
-      process(part, answers.data() + (part.data() - events.data()), 0);
+      process(part, answers.subspan(static_cast<std::size_t>(part.data() - events.data())), 0);
     });
   }
 
@@ -146,10 +145,10 @@ class Tiled {
     if (is_one()) return one().process(events, out);
     std::size_t passed = 0;
     in_parts(events, [&](EventSpan part, std::size_t package) {
-      process(part, passes_.data(), package);
+      process(part, scratch_, package);
       for (std::size_t i = 0; i < part.size(); ++i) {
         out[passed] = part[i];
-        passed += passes_[i];
+        passed += scratch_[i];
       }
     });
     return passed;
@@ -191,8 +190,12 @@ class Tiled {
  private:
   static constexpr std::size_t kMost = detail::Bands::kMostEvents;
 
+  static constexpr bool kPlaces =
+      requires(A& a, const std::uint32_t* places) { a.process(EventSpan(), {}, places); };
+
   struct Instance {
-    explicit Instance(const Config& config) : algorithm(config), answers(kAnswers ? kMost : 0) {}
+    explicit Instance(const Config& config)
+        : algorithm(config), answers(kAnswers && !kPlaces ? kMost : 0) {}
 
     A algorithm;
     std::vector<Answer> answers;
@@ -210,23 +213,25 @@ class Tiled {
     }
   }
 
-  void process(EventSpan events, Answer* answers, std::size_t package) {
-    if (answers != nullptr) std::fill_n(answers, events.size(), Answer{});
-    answers_ = answers;
+  void process(EventSpan events, std::span<Answer> answers, std::size_t package) {
+    if constexpr (kAnswers) answers_ = answers.first(events.size());
+    std::fill(answers_.begin(), answers_.end(), Answer{});
     bands_.process(events, package);
   }
 
   void work(const detail::Bands::Part& part) {
     auto& [algorithm, all] = *instances_[part.band];
-    if constexpr (kAnswers) {
+    if constexpr (kPlaces) {
+      algorithm.process(part.events, answers_, part.places);
+    } else if constexpr (kAnswers) {
       const std::span own = std::span(all).first(part.events.size());
       if constexpr (kFilters) {
         algorithm.process(part.events, own, part.package);
       } else {
         algorithm.process(part.events, own);
       }
-      for (std::size_t i = 0; answers_ != nullptr && i < own.size(); ++i) {
-        if (part.places[i] != part.kNone) answers_[part.places[i]] = own[i];
+      for (std::size_t i = 0; i < own.size(); ++i) {
+        if (part.places[i] < answers_.size()) answers_[part.places[i]] = own[i];
       }
     } else {
       algorithm.process(part.events);
@@ -235,8 +240,8 @@ class Tiled {
 
   Config config_;
   std::vector<std::unique_ptr<Instance>> instances_;  // one for each band
-  std::vector<Answer> passes_;
-  Answer* answers_ = nullptr;  // of the package in work
+  std::vector<Answer> scratch_;
+  std::span<Answer> answers_;  // of the package in work
   detail::Bands bands_;        // last: its threads use the others
 };
 
