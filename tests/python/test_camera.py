@@ -13,6 +13,7 @@ import time
 from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -451,6 +452,81 @@ def test_the_fake_has_the_names_of_the_driver() -> None:
     methods = {name for name in dir(device) if not name.startswith("_")}
     kind = real.generated.devices.prophesee_evk4.PropheseeEvk4Device
     assert methods - {"made", "is_open", "waiting"} <= set(dir(kind))
+
+
+class Attached:
+    """The driver, with one camera attached that is not there."""
+
+    def __init__(self, real: Any, name: str) -> None:
+        self._real, self._name = real, real.Name[name]
+        self.given: dict[str, Any] = {}
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._real, name)
+
+    def list_devices(self) -> list[Any]:
+        return [SimpleNamespace(name=self._name, serial=SERIAL, error=None)]
+
+    def open(self, **given: Any) -> Any:
+        self.given = given
+        return Driver().open()
+
+
+@pytest.fixture
+def attached(monkeypatch: pytest.MonkeyPatch) -> Callable[[str], Attached]:
+    real = pytest.importorskip("neuromorphic_drivers")
+
+    def attach(name: str) -> Attached:
+        driver = Attached(real, name)
+        monkeypatch.setitem(sys.modules, "neuromorphic_drivers", driver)
+        return driver
+
+    return attach
+
+
+def test_a_region_and_a_rate_reach_the_driver(attached: Callable[[str], Attached]) -> None:
+    driver = attached("PROPHESEE_EVK4")
+    asap.open_camera(region=(320, 180, 640, 360), rate_bound=5e6).close()
+    made = driver.given["configuration"]
+    assert made.serialize()  # as the driver takes it
+    mask = driver.prophesee_evk4.RowColumnMask(set=False)
+    for side, words, begin, end in (("x", made.x_mask, 320, 960), ("y", made.y_mask, 180, 540)):
+        bits = np.unpackbits(np.array(words, "<u8").view(np.uint8), bitorder="little")
+        bits = bits[: len(getattr(mask, f"{side}_unpacked"))]
+        assert np.flatnonzero(bits == 0).tolist() == list(range(begin, end))
+    limit = made.rate_limiter
+    assert limit.maximum_events_per_period / limit.reference_period_us == 5.0
+
+    driver = attached("INIVATION_DAVIS346")
+    asap.open_camera(SERIAL, region=(0, 10, 100, 250)).close()
+    assert driver.given["configuration"].serialize()
+    assert vars(driver.given["configuration"].region_of_interest) == {
+        **{"left": 0, "top": 10, "width": 100, "height": 250}
+    }
+    asap.open_camera(SERIAL).close()
+    assert "configuration" not in driver.given
+
+
+@pytest.mark.parametrize(
+    ("name", "given", "says"),
+    [
+        ("INIVATION_DVXPLORER", {"region": (0, 0, 9, 9)}, "region .*no region of iniVation DVX"),
+        ("INIVATION_DAVIS346", {"rate_bound": 1e6}, "rate_bound .*no limit of iniVation DAVIS"),
+        ("PROPHESEE_EVK4", {"region": (0, 0, 1281, 9)}, "region .*1280 x 720"),
+        ("PROPHESEE_EVK4", {"region": (0, 0, 0, 9)}, "region .*1280 x 720"),
+        ("PROPHESEE_EVK4", {"region": (0, 0, 9)}, "region .*left, top"),
+        ("PROPHESEE_EVK4", {"region": (0, 0, 9, 1.5)}, "region .*whole px"),
+        ("PROPHESEE_EVK4", {"rate_bound": 0}, "rate_bound .*events per second"),
+        ("PROPHESEE_EVK4", {"rate_bound": 1e6, "configuration": None}, "configuration"),
+    ],
+)
+def test_what_a_camera_cannot_do_is_refused(
+    attached: Callable[[str], Attached], name: str, given: dict[str, Any], says: str
+) -> None:
+    driver = attached(name)
+    with pytest.raises(ValueError, match=says):
+        asap.open_camera(**given)
+    assert not driver.given
 
 
 BUS = """

@@ -20,6 +20,7 @@ import numpy as np
 from asap import _checks
 from asap.camera.playback import Playback
 from asap.camera.recorder import Recorder
+from asap.camera.settings import configuration
 from asap.events import EVENT_DTYPE
 from asap.experiment.live_run import CameraRun
 from asap.experiment.pipeline import Pipeline
@@ -92,26 +93,46 @@ def cameras() -> list[CameraInfo]:
     return [CameraInfo(_name(d.name), d.serial, _name(d.connection), d.error) for d in found]
 
 
-def open_camera(serial: str | None = None, **driver_options: Any) -> Camera:
+def open_camera(
+    serial: str | None = None,
+    *,
+    region: tuple[int, int, int, int] | None = None,
+    rate_bound: float | None = None,
+    **driver_options: Any,
+) -> Camera:
     """Open the camera of this serial number, or the first one, through neuromorphic-drivers.
 
     Parameters
     ----------
     serial : str, optional
         As `cameras` lists it.
+    region : (left, top, width, height), optional
+        Pixels outside send nothing, in px. For cameras of Prophesee, CenturyArks, and the DAVIS.
+    rate_bound : float, optional
+        The camera itself drops what is more, in events/s, without a count. For cameras of Prophesee
+        and CenturyArks.
     **driver_options
         Arguments of ``neuromorphic_drivers.open``, such as ``configuration`` with the biases.
 
     Raises
     ------
+    ValueError
+        A region or a rate that this camera cannot keep, or beside a ``configuration``.
     CameraError
         None is attached, access is denied, another program has it; the message says what helps.
     MissingLibrary
         The driver is not installed: extra ``camera``.
     """
     driver = library("neuromorphic_drivers", "a camera", "camera")
+    options = {"iterator_timeout": _WAIT_S} | driver_options
     try:
-        return Camera(driver.open(serial=serial, **{"iterator_timeout": _WAIT_S} | driver_options))
+        if region is not None or rate_bound is not None:
+            if "configuration" in options:
+                raise ValueError("configuration: has a region and a rate of its own; give one way")
+            found = [one for one in driver.list_devices() if serial in (None, one.serial)]
+            if found:  # else the driver says so
+                options["configuration"] = configuration(driver, found[0], region, rate_bound)
+        return Camera(driver.open(serial=serial, **options))
     except RuntimeError as error:
         raise _explained(f"camera {serial or ''}".rstrip(), error) from error
 
