@@ -1,6 +1,6 @@
 """True flow of recordings and scenes, and how far from it PlaneFlow is.
 
-`python tests/laboratory/flow_truth.py` prints the tables of notebooks/algorithms/plane_flow.md. The
+`python tests/laboratory/flow_truth.py` prints the tables of notebooks/algorithms/motion.md. The
 constants were chosen on the first halves of the recordings and on the seeds 0 to 2; the tables are
 of the second halves and of the seeds 100 to 119.
 """

@@ -1,4 +1,4 @@
-"""notebooks/algorithms: a page per algorithm, short, linked, and its example runs."""
+"""notebooks/algorithms: a section for each algorithm, in the table, with an example that runs."""
 
 from __future__ import annotations
 
@@ -15,6 +15,10 @@ from house import ROOT, name_of, run
 FOLDER = ROOT / "notebooks" / "algorithms"
 INDEX = FOLDER / "README.md"
 PAGES = sorted(set(FOLDER.glob("*.md")) - {INDEX})
+EXAMPLES = {
+    page: "".join(re.findall(r"^```python\n(.*?)^```$", page.read_text(), re.M | re.S))
+    for page in PAGES
+}
 
 
 def algorithms() -> set[str]:
@@ -22,26 +26,29 @@ def algorithms() -> set[str]:
     return {"Tiled"} | {kind.__name__ for kind in kinds if hasattr(kind, "set_gamma")}
 
 
-def title(page: Path) -> str:
-    return page.read_text().splitlines()[0].removeprefix("# ")
-
-
-def test_every_algorithm_has_a_page() -> None:
-    assert {title(page) for page in PAGES} == algorithms()
-
-
-def test_the_index_names_all_pages_and_commands() -> None:
-    rows = re.findall(r"^\| \[(\w+)\]\((\S+)\) .*\| (?:`(\w+)` )?\|$", INDEX.read_text(), re.M)
-    assert [(name, link) for name, link, _ in sorted(rows, key=lambda row: row[1])] == [
-        (title(page), page.name) for page in PAGES
+def sections() -> list[tuple[str, str]]:
+    """Every section about an algorithm, with its address as the table has it."""
+    titles = [
+        (title, page.name)
+        for page in PAGES
+        for title in re.findall(r"^##? (\w+)$", page.read_text(), re.M)
     ]
+    return [(title, f"{page}#{title.lower()}") for title, page in titles if title in algorithms()]
+
+
+def test_every_algorithm_has_a_section_in_the_table() -> None:
+    rows = re.findall(r"^\| \[(\w+)\]\((\S+)\) .*\| (?:`(\w+)` )?\|$", INDEX.read_text(), re.M)
+    assert sorted((name, link) for name, link, _ in rows) == sorted(sections())
+    assert {name for name, *_ in rows} == algorithms()
     commands = {command: name for name, _, command in rows if command}
     assert commands == {key: name for key, name in ALGORITHMS.items() if name in algorithms()}
 
 
 @pytest.mark.parametrize("page", PAGES, ids=name_of)
-def test_example_runs(page: Path, tmp_path: Path) -> None:
-    (example,) = re.findall(r"^```python\n(.*?)^```$", page.read_text(), re.M | re.S)
+def test_examples_run(page: Path, tmp_path: Path) -> None:
+    """The blocks of a page are one program, which uses each algorithm of the page."""
+    titles = {name for name, link in sections() if link.startswith(f"{page.name}#")}
+    assert titles <= set(re.findall(r"asap\.(\w+)", EXAMPLES[page]))
     script = tmp_path / "example.py"
-    script.write_text(example)
+    script.write_text(EXAMPLES[page])
     run([sys.executable, "-W", "error", script], cwd=tmp_path)
