@@ -288,8 +288,14 @@ MUTANTS: list[Mutant] = [
     *in_file(
         SOURCE + "algorithms/plane_flow.cpp",
         "algorithms",
-        every_event_of_a_burst_has_a_flow=("if (!first) return false;", ""),
-        a_burst_begins_anew_after_its_first_event=("    latest = now;\n", ""),
+        every_event_of_a_burst_has_a_flow=(
+            "&& burst_goes_on(now, own)",
+            "&& (burst_goes_on(now, own), false)",
+        ),
+        a_burst_begins_anew_after_its_first_event=(
+            "return std::exchange(own[2 * plane_], now) >= now - burst_us_;",
+            "return own[2 * plane_] >= now - burst_us_ || (own[2 * plane_] = now, false);",
+        ),
         a_burst_is_as_long_as_the_window=("kBurstsPerWindow = 4", "kBurstsPerWindow = 1"),
     ),
     *in_file(
@@ -412,6 +418,17 @@ MUTANTS: list[Mutant] = [
         SOURCE + "formats/atis40.cpp",
         "formats",
         row_240_marks_no_time=("event ? 0 : kMarkUs", "event ? 0 : 0"),
+    ),
+    *in_file(
+        SOURCE + "runner/tiled.cpp",
+        "runner",
+        a_step_back_between_two_shares=("before > 0 ? events_[before - 1].t : ", ""),
+        an_event_outside_the_frame_is_the_one_before=("!has(events_[before - 1])", "false"),
+        a_long_step_counts_as_it_is=("> EventClock::kLongestStep_us", "> UINT64_MAX - 1"),
+        a_jagged_package_is_taken_twice=(
+            "if (is_jagged_.load(std::memory_order_relaxed)) return;",
+            "",
+        ),
     ),
     *in_file(
         SOURCE + "formats/event_stream.cpp",
