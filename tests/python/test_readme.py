@@ -5,14 +5,13 @@ from __future__ import annotations
 import re
 import shlex
 import sys
-import textwrap
 from pathlib import Path
 
 import pytest
 
 import asap
 from asap import cli
-from house import INCLUDE, ROOT, name_of, run
+from house import ROOT, name_of, run
 
 NOTEBOOKS = ROOT / "notebooks"
 TEXT = (ROOT / "README.md").read_text()
@@ -81,24 +80,6 @@ def test_the_page_of_a_package_index_needs_no_file_beside_it() -> None:
     targets = re.findall(r"\]\(([^)]*)\)|(?:src|href)=\"([^\"]*)\"", page)
     assert not [found for found in targets if not "".join(found).startswith("https://")]
     assert {text for name, text in blocks_of(page) if name == "python"} <= {*blocks("python")}
-
-
-def test_cpp_blocks_stand_in_the_examples_that_are_built_and_run() -> None:
-    examples = {path: path.read_text() for path in (ROOT / "cpp" / "examples").glob("*.cpp")}
-    assert blocks("cpp")
-    for block in blocks("cpp"):
-        inside = textwrap.indent(block, "  ")  # a function
-        assert any(block in text or inside in text for text in examples.values()), block
-    page = (NOTEBOOKS / "cpp.md").read_text()
-    assert not [path for path in examples if f"](../{name_of(path)})" not in page]
-
-
-def test_the_program_of_the_cpp_page_compiles(tmp_path: Path) -> None:
-    (program,) = [text for language, text in PAGES["notebooks/cpp.md"] if language == "cpp"]
-    path = tmp_path / "main.cpp"
-    path.write_text(program)
-    options = ["-std=c++20", "-Wall", "-Wextra", "-Werror", "-fsyntax-only", f"-I{INCLUDE}"]
-    run(["g++", *options, path])
 
 
 def commands() -> list[str]:

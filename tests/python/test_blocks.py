@@ -1,0 +1,162 @@
+"""What a page shows beside Python is understood: shell lines, C++, CMake, paths of the checkout."""
+
+from __future__ import annotations
+
+import json
+import re
+import shlex
+import textwrap
+from pathlib import Path
+
+import pytest
+
+from asap import cli
+from house import INCLUDE, ROOT, name_of, run
+
+CPP_PAGE = ROOT / "notebooks" / "cpp.md"
+PAGES = sorted(
+    {
+        *ROOT.glob("*.md"),
+        *(ROOT / "notebooks").rglob("*.md"),
+        *(ROOT / "python").glob("*.md"),
+        *(ROOT / "python" / "laboratory" / "pages").glob("*.md"),
+    }
+)
+TEXTS = {name_of(page): page.read_text() for page in PAGES}
+PRESETS = json.loads((ROOT / "CMakePresets.json").read_text())
+CMAKE_OPTIONS = {"build", "install", "parallel", "prefix", "preset", "workflow"}
+PYPROJECT = (ROOT / "pyproject.toml").read_text()
+
+
+def blocks(language: str) -> list[tuple[str, str]]:
+    """Every block in a language, with its page. The pages of ROS: tests/ros runs their blocks."""
+    pattern = rf"^```{language}\n(.*?)^```$"
+    return [
+        (page, b) for page, text in TEXTS.items() for b in re.findall(pattern, text, re.M | re.S)
+    ]
+
+
+def code_of(text: str) -> str:
+    """Blocks and code within the text."""
+    return "\n".join(re.findall(r"^```.*?^```$|`[^`\n]+`", text, re.M | re.S))
+
+
+# ---- shell ----
+
+NOT_RUN = {
+    "apt-get": ".ci/run installs what README names; the board's packages, what --full needs",
+    "for": ".ci/run --full runs each benchmark",
+}
+
+
+def shell_lines() -> list[str]:
+    lines = [line for _, block in blocks("sh") for line in block.splitlines()]
+    return sorted({part.strip() for line in lines for part in line.split("&&")})
+
+
+def assert_installs(what: str) -> None:
+    name, _, extras = what.strip("]").partition("[")
+    assert name == "asap-events" or (ROOT / name).exists()
+    assert all(re.search(rf"^{one} = \[", PYPROJECT, re.M) for one in extras.split(",") if one)
+
+
+def assert_cmake(words: list[str]) -> None:
+    options = re.findall(r"option\((\w+)", (ROOT / "CMakeLists.txt").read_text())
+    for word in words:
+        if word.startswith("-D"):
+            name, value = word.removeprefix("-D").split("=")
+            assert name in options or name.startswith("CMAKE_")
+            assert name != "CMAKE_TOOLCHAIN_FILE" or (ROOT / value).exists()
+        assert not word.startswith("--") or word.removeprefix("--") in CMAKE_OPTIONS
+
+
+@pytest.mark.parametrize("line", shell_lines())
+def test_a_line_of_the_shell_is_understood(line: str) -> None:
+    run(["bash", "-n", "-c", line])
+    words = shlex.split(line)
+    if words[0] in NOT_RUN:
+        return
+    if words[0] == "asap" or words[0].endswith("bin/asap"):
+        cli._parser().parse_args(words[1:])
+    elif words[0].endswith("pip"):
+        assert words[1] == "install"
+        for what in words[2:]:
+            assert_installs(what)
+    elif words[0] == "cmake":
+        assert_cmake(words[1:])
+    else:
+        assert Path(words[0]).name in ("python", "python3")
+        assert words[1:3] in (["-m", "venv"], ["-m", "pytest"])
+
+
+@pytest.mark.parametrize("page", TEXTS)
+def test_paths_and_presets_of_a_page_exist(page: str) -> None:
+    code = code_of(TEXTS[page])
+    paths = re.findall(r"(?<![\w./-])((?:cpp|python|tests|notebooks)/[\w./*-]*)", code)
+    assert not [path for path in paths if not any(ROOT.glob(path.rstrip("./")))]
+    presets = {one["name"] for kind in PRESETS if "Presets" in kind for one in PRESETS[kind]}
+    assert {*re.findall(r"--preset ([\w-]+)", code)} <= presets
+
+
+@pytest.mark.parametrize("page", TEXTS)
+def test_options_of_the_laboratory_exist(page: str) -> None:
+    parser = pytest.importorskip("asap_laboratory.cli")._parser()
+    for command in re.findall(r"`asap-study ([^`]*)`", TEXTS[page]):
+        if "..." not in command and command != "--help":
+            parser.parse_args(shlex.split(command))
+
+
+# ---- C++ and CMake ----
+
+# What stands around a part of a program, by a word in it.
+AROUND = {
+    "asap::Tiled": "void f(asap::EventSpan events, std::span<std::uint8_t> corners) {{\n{}}}\n",
+    "on_worker_start": "void f(asap::RunConfig config, asap::Consumer algorithm) {{\n"
+    "auto scheme = asap::make_scheme<asap::Deadline>({{}});\n{}}}\n",
+}
+HEADERS = """#include <pthread.h>
+
+#include <asap/algorithms/corner_detector.hpp>
+#include <asap/runner/pipeline.hpp>
+#include <asap/runner/tiled.hpp>
+#include <asap/schemes/deadline.hpp>
+"""
+DRIVERS = ROOT / "tests" / "drivers"  # stub headers
+
+
+def compiled(source: str, folder: Path, *, check: bool = True) -> str:
+    """Compile without linking: a driver is a stub."""
+    file = folder / "block.cpp"
+    file.write_text(source)
+    strict = ("-std=c++20", "-fsyntax-only", "-Wall", "-Wextra", "-Wconversion", "-Werror")
+    return run(["g++", *strict, f"-I{INCLUDE}", f"-I{DRIVERS}", file], check=check)
+
+
+@pytest.mark.parametrize(("page", "block"), blocks("cpp"))
+def test_a_block_of_cpp_compiles(page: str, block: str, tmp_path: Path) -> None:
+    examples = [path.read_text() for path in (ROOT / "cpp" / "examples").glob("*.cpp")]
+    if any(textwrap.indent(block, "  ") in text for text in examples):
+        return  # built and run
+    if "int main(" not in block:
+        (around,) = (text for word, text in AROUND.items() if word in block)
+        block = HEADERS + around.format(block) + "int main() {}\n"
+    compiled(block, tmp_path)
+
+
+def test_the_stubs_refuse_what_the_driver_has_not(tmp_path: Path) -> None:
+    (recipe,) = [block for _, block in blocks("cpp") if "// evk4.cpp" in block]
+    output = compiled(recipe.replace("add_callback", "on_events"), tmp_path, check=False)
+    assert "error" in output and "on_events" in output
+
+
+def test_every_example_is_on_the_page() -> None:
+    names = {name_of(path) for path in (ROOT / "cpp" / "examples").glob("*.cpp")}
+    assert names <= set(re.findall(r"\]\(\.\./(cpp/examples/\w+\.cpp)\)", CPP_PAGE.read_text()))
+
+
+@pytest.mark.parametrize(("page", "block"), blocks("cmake"))
+def test_targets_of_a_block_of_cmake_exist(page: str, block: str) -> None:
+    table = re.findall(r"^\| `(asap::\w+)` \|", CPP_PAGE.read_text(), re.M)
+    lists = "".join(path.read_text() for path in (ROOT / "cpp").rglob("CMakeLists.txt"))
+    known = {name for name in table if f"asap_{name.removeprefix('asap::')}" in lists}
+    assert set(re.findall(r"\basap::\w+", block)) <= known == set(table)
