@@ -48,6 +48,15 @@ def Tiled(
         The answers of the algorithm depend on more than the rows around an event.
     ValueError
         A parameter is out of range; the message names it.
+
+    Examples
+    --------
+    >>> scene = asap.synthetic.FlightOverChairs(duration_s=0.1)
+    >>> events = scene.events()
+    >>> one = asap.EFast(scene.width, scene.height)
+    >>> tiled = asap.Tiled(asap.EFast, scene.width, scene.height, threads=2)
+    >>> np.array_equal(tiled.process(events), one.process(events))
+    True
     """
     made = vars(algorithm).get("_Tiled") if isinstance(algorithm, type) else None
     if made is None:

@@ -42,6 +42,14 @@ Notes
 -----
 The cost of an event does not depend on the number of clusters. Threads take turns. The same events give
 the same results however they are cut into calls. Own design.
+
+$scene
+>>> tracker = asap.ClusterTracker(scene.width, scene.height)
+>>> ids = tracker.process(events)
+>>> set(tracker.clusters["id"]) <= set(ids)
+True
+>>> tracker.objects[["x", "y", "vx", "vy"]].dtype.names
+('x', 'y', 'vx', 'vy')
 )";
 
 constexpr const char* kPublishedDoc =
@@ -74,7 +82,13 @@ seed give the same results however they are cut into calls.
 
 Source: Rodriguez-Gomez et al., "Asynchronous Event-Based Clustering and Tracking for Intrusion Monitoring
 in UAS", ICRA 2020; the defaults are the launch values of its release. Its window is exactly the last
-`window` events; the release, which forgets by time, keeps more where stamps are equal.
+`window` events; the release, which forgets by time, keeps more where timestamps are equal.
+
+$scene
+>>> tracker = asap.PublishedClusterTracker(scene.width, scene.height)
+>>> ids = tracker.process(events)
+>>> set(tracker.clusters["id"]) <= set(ids)
+True
 )";
 
 constexpr Choices<ClusterSupport, 3> kSupports{{{"off", ClusterSupport::kOff},
@@ -169,7 +183,7 @@ x, y : float64, px, centre of the outline, predicted for the latest time
 vx, vy : float64, px/s, by Kalman filter
 cxx, cxy, cyy : float64, px^2, covariance of its events: its extent
 size : int64, events of about the last 30 ms
-t_last : int64, us, stamp of the newest event
+t_last : int64, us, timestamp of the newest event
 pxx, pxy, pyy : float64, px^2, covariance of the error of x and y, by the Kalman filter, and of the
     outline's centre, which is only as good as the edges that have been seen
 
@@ -205,7 +219,7 @@ x, y : float64, px, of its heaviest cluster, predicted for the latest time
 vx, vy : float64, px/s, of the same
 left, top, width, height : float64, px, the box of its clusters, 1.75 standard deviations to each side
 size : int64, events of about the last 30 ms
-t_last : int64, us, stamp of the newest event
+t_last : int64, us, timestamp of the newest event
 age_us : int64, us since it began
 independent : float64, 0 to 1, whether it moves unlike the background; -1: not known
 )")
@@ -255,7 +269,7 @@ TypeError
       .def("advance_to", &ClusterTracker::advance_to, py::arg("t_us").noconvert(),
            R"(Time has come to t_us, us, without events: clusters starve, coast and die.
 
-Call it where it is known that no event came; to look ahead, `clusters_at`. Later events with older stamps
+Call it where it is known that no event came; to look ahead, `clusters_at`. Later events with older timestamps
 count as of t_us. Before the first event and for the past nothing happens.
 )")
       .def_property_readonly("unsupported", &ClusterTracker::unsupported,
@@ -302,7 +316,7 @@ x, y : float64, px, mean of the live events
 vx, vy : float64, px/s, regression of x and y on t over the live events, rough for windows of ms
 cxx, cxy, cyy : float64, px^2, covariance of its events: its extent
 size : int64, live events
-t_last : int64, us, stamp of the newest event
+t_last : int64, us, timestamp of the newest event
 pxx, pxy, pyy : float64, infinite and pxy = 0: the rule does not know the error of x and y
 
 A new array, not changed by later events.

@@ -24,8 +24,13 @@ $refuses
 
 Notes
 -----
-A few nanoseconds per event. Threads take turns. A stamp that goes back by up to 1 s counts as the latest one.
+A few nanoseconds per event. Threads take turns. A timestamp that goes back by up to 1 s counts as the latest one.
 Source: Delbruck, "Frame-free dynamic digital vision", 2008.
+
+$scene
+>>> passed = asap.BackgroundActivityFilter(scene.width, scene.height).process(events)
+>>> 0 < len(passed) < len(events)
+True
 )";
 
 constexpr const char* kEFastDoc = R"(Finds corners by the order of the events alone.
@@ -40,9 +45,14 @@ $refuses
 
 Notes
 -----
-Threads take turns. A stamp that goes back by up to 1 s counts as the latest one. Source: Mueggler, Bartolozzi,
+Threads take turns. A timestamp that goes back by up to 1 s counts as the latest one. Source: Mueggler, Bartolozzi,
 Scaramuzza, "Fast Event-based Corner Detection", BMVC 2017. The authors' release swaps the sides of its
 surface, which changes some labels where width is not height; here they are as published.
+
+$scene
+>>> corners = events[asap.EFast(scene.width, scene.height).process(events)]
+>>> 0 < len(corners) < len(events)
+True
 )";
 
 constexpr const char* kArcStarDoc = R"(Finds corners by the length of the newest arc.
@@ -60,9 +70,14 @@ $refuses
 
 Notes
 -----
-Threads take turns. A stamp that goes back by up to 1 s counts as the latest one. A pixel without an event counts as
-fired at time 0, as in the authors' release, or just before the first stamp if that is negative. Source:
+Threads take turns. A timestamp that goes back by up to 1 s counts as the latest one. A pixel without an event counts as
+fired at time 0, as in the authors' release, or just before the first timestamp if that is negative. Source:
 Alzugaray, Chli, "Asynchronous Corner Detection and Tracking for Event Cameras in Real Time", RA-L 2018.
+
+$scene
+>>> corners = events[asap.ArcStar(scene.width, scene.height).process(events)]
+>>> 0 < len(corners) < len(events)
+True
 )";
 
 constexpr const char* kEHarrisDoc = R"(Finds corners by the Harris score of the newest pixels.
@@ -79,9 +94,14 @@ $refuses
 
 Notes
 -----
-Threads take turns. Only the order of the events matters, not their stamps. Source: Vasco, Glover,
+Threads take turns. Only the order of the events matters, not their timestamps. Source: Vasco, Glover,
 Bartolozzi, "Fast Event-based Harris Corner Detection Exploiting the Advantages of Event-driven Cameras",
 IROS 2016, with the constants of the public implementation.
+
+$scene
+>>> corners = events[asap.EHarris(scene.width, scene.height).process(events)]
+>>> 0 < len(corners) < len(events)
+True
 )";
 
 constexpr const char* kFAHarrisDoc =
@@ -100,9 +120,14 @@ $refuses
 
 Notes
 -----
-Threads take turns. A stamp that goes back by up to 1 s counts as the latest one. Source: Li, Shi, Zhang, Li, Liu,
+Threads take turns. A timestamp that goes back by up to 1 s counts as the latest one. Source: Li, Shi, Zhang, Li, Liu,
 "FA-Harris: A Fast and Asynchronous Corner Detector for Event Cameras", IROS 2019, with the constants of
-its release; equal stamps, undefined there, are ordered by arrival.
+its release; equal timestamps, undefined there, are ordered by arrival.
+
+$scene
+>>> corners = events[asap.FAHarris(scene.width, scene.height).process(events)]
+>>> 0 < len(corners) < len(events)
+True
 )";
 
 template <class Detector>

@@ -15,7 +15,7 @@ namespace {
 
 constexpr const char* kImageDoc = R"(Images of the events, one per so many events or per period.
 
-What convolutional networks take. By count an image ends with its last event. By period it holds the stamps
+What convolutional networks take. By count an image ends with its last event. By period it holds the timestamps
 from one multiple of the period to the next; a period without events gives no image.
 
 $sensor.
@@ -31,8 +31,13 @@ $refuses
 
 Notes
 -----
-Threads take turns. A stamp that goes back by up to 1 s counts as the latest one. Each image costs a pass over the
+Threads take turns. A timestamp that goes back by up to 1 s counts as the latest one. Each image costs a pass over the
 pixels. Channels as in Sanket et al., "EVDodgeNet", ICRA 2020, and Zhu et al., "EV-FlowNet", RSS 2018.
+
+$scene
+>>> images, spans = asap.EventImage(scene.width, scene.height, period_us=10_000).process(events)
+>>> images.shape, spans.shape
+((4, 2, 260, 346), (4, 2))
 )";
 
 constexpr Choices<ImageChannel, 5> kChannels{{{"off", ImageChannel::off},
@@ -109,7 +114,7 @@ Returns
 -------
 images : ndarray of float32, shape (k, channels, height, width)
 spans : ndarray of int64, shape (k, 2)
-    us: begin of each image, and its end, which is the first stamp beyond.
+    us: begin of each image, and its end, which is the first timestamp beyond.
 
 $not_events
 )");

@@ -35,10 +35,16 @@ $refuses
 
 Notes
 -----
-The cost of an event does not depend on the number of tracks. Threads take turns. A stamp that goes back
+The cost of an event does not depend on the number of tracks. Threads take turns. A timestamp that goes back
 by up to 1 s counts as the latest one. Source: the authors' release of the event feature tracker of the GRVC
 (grvc_ef_tracker), which the ASAP papers use, with its launch values; `window_us`, ids and velocities are
 ours.
+
+$scene
+>>> tracker = asap.FeatureTracker(scene.width, scene.height, detector="e_fast")
+>>> ids = tracker.process(events)
+>>> set(tracker.tracks["id"]) <= set(ids)
+True
 )";
 
 constexpr Choices<CornerSource, 5> kDetectors{{{"arc_star", CornerSource::arc_star},
@@ -75,7 +81,7 @@ x, y : float64, px, of the newest event
 vx, vy : float64, px/s, regression of x and y on t, older events weighing less by `velocity_us`; 0 until
     there are events at two times
 size : int64, corner events that it took
-t_first, t_last : int64, us, stamps of its first and newest event
+t_first, t_last : int64, us, timestamps of its first and newest event
 
 A new array, not changed by later events.
 )");

@@ -29,8 +29,13 @@ $refuses
 
 Notes
 -----
-Threads take turns. A stamp that goes back by up to 1 s counts as the latest one. Source: Benosman, Clercq, Lagorce,
+Threads take turns. A timestamp that goes back by up to 1 s counts as the latest one. Source: Benosman, Clercq, Lagorce,
 Ieng, Bartolozzi, "Event-Based Visual Flow", IEEE TNNLS 2014.
+
+$scene
+>>> flow = asap.PlaneFlow(scene.width, scene.height).process(events)
+>>> flow.shape == (len(events), 2)
+True
 )";
 
 void bind(py::module_& m) {

@@ -31,8 +31,14 @@ $refuses
 
 Notes
 -----
-Threads take turns. Only pixels count, not stamps and polarities. Three hot pixels within 2 px of each
+Threads take turns. Only pixels count, not timestamps and polarities. Three hot pixels within 2 px of each
 other take each other for a moving edge: give them.
+
+$scene
+>>> mask = asap.HotPixelMask(scene.width, scene.height, pixels=[(27, 109)])
+>>> passed = mask.process(events)
+>>> mask.pixels
+[(27, 109)]
 )";
 
 std::size_t learned(HotPixelMask& mask, const py::object& events) {

@@ -28,8 +28,14 @@ $refuses
 Notes
 -----
 Depth and motion are not told apart: a thing much nearer than the background moves unlike it. Threads take
-turns. A stamp that goes back by up to 1 s counts as the latest one. Own design; the residual of a global
+turns. A timestamp that goes back by up to 1 s counts as the latest one. Own design; the residual of a global
 motion is that of Vasco et al., "Independent Motion Detection with Event-driven Cameras", ICAR 2017.
+
+$scene
+>>> segmenter = asap.MotionSegmenter(scene.width, scene.height)
+>>> segmenter.process(events)
+>>> segmenter.objects.dtype.names[:5]
+('id', 'x', 'y', 'vx', 'vy')
 )";
 
 constexpr const char* kObjectsDoc =
@@ -40,7 +46,7 @@ x, y : float64, px, the middle of its box, predicted for the latest event
 vx, vy : float64, px/s, in the picture, from its flow
 left, top, width, height : float64, px, its box
 size : int64, flow events of the last 15 ms that the background does not explain
-t_last : int64, us, stamp of the newest of them
+t_last : int64, us, timestamp of the newest of them
 age_us : int64, us since it was first seen
 independent : float64, 1; -1 while the background's motion is unknown, in which time objects end after 30 ms
 

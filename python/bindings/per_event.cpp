@@ -42,6 +42,10 @@ std::string documented(const std::string& given) {
 ----------
 width, height : int
     Size of the sensor, px, 1 to 16384. Events outside are dropped and counted in `rejected`)"},
+      {"$scene", R"(Examples
+--------
+>>> scene = asap.synthetic.FlightOverChairs(duration_s=0.05)
+>>> events = scene.events())"},
       {"$refuses", R"(Raises
 ------
 ValueError

@@ -300,7 +300,7 @@ void bind(py::module_& m) {
           "No event follows: what waits is delivered.")
       .def_property_readonly(
           "slots", [](const Simulator& self) { return rows_of(self.slots()); },
-          "One row per 1 ms of stamps that holds an event, in SLOT_DTYPE: a read-only copy.")
+          "One row per 1 ms of timestamps that holds an event, in SLOT_DTYPE: a read-only copy.")
       .def_property_readonly(
           "busy_us",
           [](const Simulator& self) { return static_cast<double>(self.busy_ns()) * 1e-3; },

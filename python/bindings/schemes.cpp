@@ -104,7 +104,7 @@ min_processing_ms, max_processing_ms : float
 min_size, max_size : int
     Package sizes at these limits, in kept events.
 kappa : float
-    Steepness of the size law, positive.
+    Steepness of the size rule, positive.
 min_gamma, max_gamma : float
     Range of gamma; 0 <= min_gamma <= max_gamma <= 1.
 first_size : int
@@ -147,9 +147,16 @@ ValueError
 Notes
 -----
 Source: notebooks/theory.md, section 6.
+
+Examples
+--------
+>>> scene = asap.synthetic.FlightOverChairs(duration_s=0.1)
+>>> scheme = asap.Deadline(latency_ms=5, prefer="continuity")
+>>> asap.simulate(scene, cost=asap.LinearCost(100, 300), scheme=scheme).in_time
+1.0
 )");
 
-  bind_scheme<DeadBeat>(m, "DeadBeat", R"(The simplest law that keeps a latency bound.
+  bind_scheme<DeadBeat>(m, "DeadBeat", R"(The simplest scheme that keeps a latency bound.
 
 Every package takes all that waits and is planned to last half the bound at most, so nothing that waits
 is older than that. What does not fit is thinned evenly. Settles in one package. `Deadline` keeps more

@@ -20,9 +20,15 @@ $refuses
 
 Notes
 -----
-Threads take turns. Only the order of the events matters, not stamps and polarities. Source: Glover,
+Threads take turns. Only the order of the events matters, not timestamps and polarities. Source: Glover,
 Dinale, De Souza Rosa, Bamford, Bartolozzi, "luvHarris: A Practical Corner Detector for Event-Cameras",
 TPAMI 2021. Public releases clear from one value lower.
+
+$scene
+>>> tos = asap.ThresholdOrdinalSurface(scene.width, scene.height, side=7)
+>>> tos.process(events)
+>>> tos.surface.shape, tos.surface.dtype
+((260, 346), dtype('uint8'))
 )";
 
 constexpr const char* kSpeedInvariantDoc = R"(The order in which neighbouring pixels fired (SITS).
@@ -38,10 +44,16 @@ $refuses
 
 Notes
 -----
-Threads take turns. Only the order of the events matters, not stamps and polarities. Source:
+Threads take turns. Only the order of the events matters, not timestamps and polarities. Source:
 Manderscheid, Sironi, Bourdis, Migliore, Lepetit, "Speed Invariant Time Surface for Learning to Detect
 Corner Points with Event-Based Cameras", CVPR 2019, with one surface for both polarities; two of them
 keep polarities apart.
+
+$scene
+>>> sits = asap.SpeedInvariantTimeSurface(scene.width, scene.height, radius=6)
+>>> sits.process(events)
+>>> sits.surface.shape, sits.surface.dtype
+((260, 346), dtype('uint16'))
 )";
 
 template <class Surface>

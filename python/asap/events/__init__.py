@@ -89,6 +89,11 @@ def as_events(
     -----
     UserWarning
         Whole times without a unit that can hardly be microseconds.
+
+    Examples
+    --------
+    >>> asap.as_events(([10, 20], [3, 3], [4, 5], [1, -1])).tolist()  # t, x, y, p
+    [(3, 4, 1, 10), (3, 5, 0, 20)]
     """
     exponent = 0 if time_unit is None else time_exponent(time_unit)
     if order is not None:

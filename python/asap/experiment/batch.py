@@ -70,10 +70,12 @@ def map(
 
     Examples
     --------
-    ::
-
-        runs = asap.map(track, sorted(Path("flights").glob("*.npy")))
-        failed = [one.recording for one in runs if isinstance(one, Exception)]
+    >>> from concurrent.futures import ThreadPoolExecutor
+    >>> np.save("flight.npy", asap.synthetic.FlightOverChairs(duration_s=0.1).events())
+    >>> paths = ["flight.npy", "absent.npy"]
+    >>> found = asap.map(asap.info, paths, executor=ThreadPoolExecutor())
+    >>> [one.recording for one in found if isinstance(one, Exception)]
+    ['absent.npy']
     """
     if function is None:
         raise TypeError(_checks.named("function", function, "give a callable"))

@@ -43,7 +43,7 @@ def compare(
     capacity: int | None = None,
     on_progress: Progress | None = None,
 ) -> Comparison:
-    """Put every scheme to the same events in virtual time, beside the oracle.
+    """Run every scheme on the same events in virtual time, beside the oracle.
 
     Repeatable bit for bit; each run is that of `simulate`. The source is read once, in flat memory.
 
@@ -64,7 +64,7 @@ def compare(
     execution : {"anytime", "whole"}
         As in `simulate`; the oracle's algorithm takes its packages likewise.
     speed : float
-        10 compresses the stamps by ten: a quiet recording becomes one that overloads the algorithm.
+        10 compresses time by ten: a quiet recording becomes one that overloads the algorithm.
     width, height, start, stop, on_bad, capacity
         As in `simulate`; each scheme has a ring of its own.
     on_progress : callable, optional
@@ -82,6 +82,13 @@ def compare(
     Notes
     -----
     Metrics: notebooks/theory.md, section 10; oracle: section 9.
+
+    Examples
+    --------
+    >>> scene = asap.synthetic.FlightOverChairs(duration_s=0.1)
+    >>> comparison = asap.compare(scene, cost=asap.LinearCost(200, 2000), latency_ms=10)
+    >>> comparison["Deadline"].in_time > comparison["Greedy"].in_time
+    True
     """
     check_cost(cost)
     _require_replayable(source)
@@ -159,8 +166,7 @@ def oracle(
     speed, width, height, start, stop, on_bad
         As in `compare`.
     seed : int
-        Of a gamma filter, which an oracle has none of: taken so that the arguments of `simulate`
-        fit; it changes nothing.
+        Without effect: accepted so that the arguments of `simulate` fit.
 
     Returns
     -------
@@ -176,6 +182,12 @@ def oracle(
     Notes
     -----
     notebooks/theory.md, section 9. With noise OB is a bound in expectation.
+
+    Examples
+    --------
+    >>> scene = asap.synthetic.FlightOverChairs(duration_s=0.1)
+    >>> asap.oracle(scene, cost=asap.LinearCost(200, 2000), latency_ms=10) < len(scene.events())
+    True
     """
     check_cost(cost)
     check_execution(execution)

@@ -53,7 +53,7 @@ def simulate(
     keep_mask: bool = False,
     on_progress: Progress | None = None,
 ) -> Run:
-    """Run in virtual time: events arrive at their stamps, a package costs what `cost` says.
+    """Run in virtual time: events arrive at their timestamps, a package costs what `cost` says.
 
     Repeatable bit for bit, and as fast as the machine can.
 
@@ -63,7 +63,7 @@ def simulate(
         Arrays in any layout that `as_events` accepts; several paths are one recording.
     cost : LinearCost or callable
         The simulated algorithm. A callable is called as cost(n, t_us) and returns the us that n
-        events take in a package that starts at t_us, a stamp like `start_us`: at least 0. With
+        events take in a package that starts at t_us, on the axis of `start_us`: at least 0. With
         "anytime" it is asked first for n = 0, what a package costs before its first event, then for
         the events so far after each part.
     scheme : Scheme, optional
@@ -75,7 +75,7 @@ def simulate(
     execution : {"anytime", "whole"}
         How the simulated algorithm takes a package. "anytime": in up to 16 parts, as those of the
         library do; the clock is read between them, so a package ends on time. "whole": in one call,
-        as a Python algorithm does unless `run` is told otherwise.
+        as a Python algorithm does in `run` by default.
     speed : float
         As in `run`: 10 makes a quiet recording ten times as busy.
     before : optional
@@ -109,6 +109,13 @@ def simulate(
         `cost` that returns no time, with n and t_us.
     Exception
         An error of `cost` or of the algorithm, unchanged.
+
+    Examples
+    --------
+    >>> scene = asap.synthetic.FlightOverChairs(duration_s=0.1)
+    >>> run = asap.simulate(scene, cost=asap.LinearCost(100, 300), latency_ms=5)
+    >>> run.in_time, run.ledger.overflow
+    (1.0, 0)
     """
     check_cost(cost, callable_too=True)
     check_execution(execution)
@@ -155,7 +162,7 @@ def run(
     duration_s: float | None = None,
     on_progress: Progress | None = None,
 ) -> Run:
-    """Replay a recording in real time: paced by its stamps, the algorithm measured by the clock.
+    """Replay a recording in real time, paced by its timestamps, and measure the algorithm.
 
     The algorithm runs on the caller's thread, the paced producer on its own.
 
@@ -163,8 +170,8 @@ def run(
     ----------
     source
         As in `simulate`, or an `asap.Camera`: ages then count from the arrival. A generator over
-        another driver is replayed like a recording: ages count from its stamps and drift with its
-        clock. Push its events into an `asap.Pipeline` instead.
+        another driver is replayed like a recording: ages count from its timestamps and drift with
+        its clock. Push its events into an `asap.Pipeline` instead.
     algorithm
         One of ours, an object with process(events) and, if it has it, set_gamma(gamma), or a
         callable. Events come as a read-only array in EVENT_DTYPE, valid as long as it is kept.
@@ -174,8 +181,8 @@ def run(
         "anytime" for an algorithm of the library, "whole" for one in Python, where a call costs
         microseconds.
     speed : float
-        2 replays twice as fast: stamps are divided by it. t_first, t_last and start_us of the log
-        stay on the recording's axis, everything else is wall time.
+        2 replays twice as fast: timestamps are divided by it. t_first, t_last and start_us of the
+        log stay on the recording's axis, everything else is wall time.
     before : optional
         As in `simulate`; its time is part of the measured cost.
     scheme, latency_ms, width, height, start, stop, on_bad, seed, capacity, keep_mask
@@ -197,6 +204,14 @@ def run(
         The camera has gone; `last_run()` holds the run up to there.
     Exception
         An error of the algorithm, unchanged; `last_run()` holds the run up to there.
+
+    Examples
+    --------
+    >>> scene = asap.synthetic.FlightOverChairs(duration_s=0.1)
+    >>> tracker = asap.ClusterTracker(scene.width, scene.height)
+    >>> run = asap.run(scene, algorithm=tracker, latency_ms=10)
+    >>> run.ledger.received == len(scene.events())
+    True
     """
     if algorithm is None:
         raise TypeError("algorithm = None: give what the events are for, or use asap.simulate")

@@ -385,8 +385,8 @@ def read(
         are stored as floats could be both: then it has to be said.
     on_bad
         Events out of order, outside the sensor or unreadable: ``"drop"`` and count, ``"clamp"``
-        where possible (a position to the nearest pixel), or ``"raise"``. Of stamps that do not fit
-        together the few are dropped.
+        where possible (a position to the nearest pixel), or ``"raise"``. Where timestamps do
+        not fit together, the fewer ones are dropped.
     reorder_tolerance_us
         Events that come late by at most this much are sorted into their place and counted in
         `Recording.repaired`.
@@ -426,6 +426,13 @@ def read(
         The file is read as 40-bit events, by its name alone, but does not look like them; the unit
         of its times was guessed, and no camera sends events so fast or so slowly; or no event lies
         between `start` and `stop`.
+
+    Examples
+    --------
+    >>> np.save("flight.npy", asap.synthetic.FlightOverChairs(duration_s=0.1).events())
+    >>> recording = asap.read("flight.npy", width=346, height=260)
+    >>> sum(len(events) for events in recording) == recording.received
+    True
     """
     options = Options(
         order, time_unit, width, height, stream, on_bad, reorder_tolerance_us, start, stop
@@ -458,6 +465,13 @@ def load(
     -----
     LossWarning
         Events were rejected, and why; the clock was set back.
+
+    Examples
+    --------
+    >>> np.save("flight.npy", asap.synthetic.FlightOverChairs(duration_s=0.1).events())
+    >>> events = asap.load("flight.npy", stop=0.05)  # s from the first event
+    >>> events.dtype == asap.EVENT_DTYPE, len(events) < len(asap.load("flight.npy"))
+    (True, True)
     """
     options = Options(
         order, time_unit, width, height, stream, on_bad, reorder_tolerance_us, start, stop
