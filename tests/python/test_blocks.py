@@ -143,6 +143,57 @@ def test_a_block_of_cpp_compiles(page: str, block: str, tmp_path: Path) -> None:
     compiled(block, tmp_path)
 
 
+# What the examples of the headers take for granted.
+TAKEN = """
+using namespace asap;
+using namespace std::chrono_literals;
+struct Driver {
+  void on_events(const std::function<void(EventSpan)>&) {}
+};
+extern std::vector<Event> events;
+extern std::span<const std::byte> bytes;
+extern EventSource& source;
+extern Scheme& scheme;
+extern Consumer algorithm;
+extern ClusterTracker tracker;
+extern Pipeline pipeline;
+extern Simulator simulator;
+extern Replay replay;
+extern Driver driver;
+void draw(auto...) {}
+void show(std::span<const float>) {}
+void write(const std::string&) {}
+void fail(std::string_view) {}
+"""
+PLAIN = {  # data, tables and bases that no program makes
+    *("algorithms/tracked_object.hpp", "core/nonblocking.hpp", "core/time.hpp"),
+    *("formats/decoder.hpp", "runner/tiled.hpp"),
+}
+
+
+def examples_of(header: Path) -> list[str]:
+    """The indented paragraphs of what stands before `#pragma once`, of code."""
+    head = header.read_text().partition("#pragma once")[0]
+    found = re.findall(r"(?:^//   .*\n)+", head, re.M)
+    code = [re.sub(r"^//   ", "", text, flags=re.M) for text in found]
+    return [text for text in code if re.search(r"[;{}](\s*//.*)?$", text, re.M)]
+
+
+def test_every_public_header_has_an_example_that_compiles(tmp_path: Path) -> None:
+    headers = {path.relative_to(INCLUDE).as_posix(): path for path in INCLUDE.glob("asap/*/*.hpp")}
+    parts = [f"#include <{name}>" for name in ("array", "chrono", "functional", *headers)] + [TAKEN]
+    for name, path in headers.items():
+        if name.removeprefix("asap/") in PLAIN:
+            continue
+        examples = examples_of(path)
+        assert examples, f"{name} has no example"
+        for i, text in enumerate(examples):
+            parts.append(f"void {re.sub('[^a-z0-9]', '_', name)}_{i}() {{\n{text}}}")
+    file = tmp_path / "examples.cpp"
+    file.write_text("\n".join(parts))
+    run(["g++", "-std=c++20", "-fsyntax-only", f"-I{INCLUDE}", file])
+
+
 def test_the_stubs_refuse_what_the_driver_has_not(tmp_path: Path) -> None:
     (recipe,) = [block for _, block in blocks("cpp") if "// evk4.cpp" in block]
     output = compiled(recipe.replace("add_callback", "on_events"), tmp_path, check=False)

@@ -6,6 +6,10 @@
 // timestamp that goes back by at most a second counts as the latest one; after a larger step back
 // time goes on from there.
 // Source: own design; PublishedClusterTracker is the published algorithm.
+//
+//   ClusterTracker tracker{{.width = 346, .height = 260}};
+//   tracker.process(events);
+//   for (const Cluster& cluster : tracker.clusters()) draw(cluster.id, cluster.x, cluster.y);
 #pragma once
 
 #include <chrono>

@@ -2,6 +2,10 @@
 // EFast, ArcStar, EHarris and FAHarris. All rules compare only events of one polarity. One thread
 // at a time. O(1) per event; no allocation after construction. A stamp that goes back by up to 1 s
 // counts as the latest one.
+//
+//   EFast detector{{.width = 346, .height = 260}};
+//   std::vector<std::uint8_t> corners(events.size());
+//   detector.process(events, std::span(corners));  // 1 where the event is a corner
 #pragma once
 
 #include <chrono>

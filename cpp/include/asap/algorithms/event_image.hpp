@@ -7,6 +7,9 @@
 // event stands for 1 / gamma: images end as often as without it, and hold as much on average.
 // Source of the channels: Sanket et al., "EVDodgeNet", ICRA 2020; Zhu et al., "EV-FlowNet", RSS
 // 2018.
+//
+//   EventImage image{{.width = 346, .height = 260, .count = 10'000}};
+//   image.process(events, [](const ImageView& view) { show(view.values); });
 #pragma once
 
 #include <chrono>

@@ -1,6 +1,10 @@
 // EventSurface: a surface that every event changes around its pixel: ThresholdOrdinalSurface (TOS)
 // and SpeedInvariantTimeSurface (SITS). Blind to stamps and polarity: what counts is the order of
 // the events. One thread at a time. O(1) per event; no allocation after construction.
+//
+//   ThresholdOrdinalSurface surface{{.width = 346, .height = 260}};
+//   surface.process(events);
+//   const std::uint8_t newest = surface.at(173, 130);  // 255: the last event around was here
 #pragma once
 
 #include <concepts>

@@ -8,6 +8,10 @@
 // by up to 1 s counts as the latest one.
 // Source: the authors' release of the GRVC event feature tracker (grvc_ef_tracker), which the ASAP
 // papers use, with its launch values; the window's time, ids and velocities are ours.
+//
+//   FeatureTracker features{{.width = 346, .height = 260}};
+//   features.process(events);
+//   for (const FeatureTrack& track : features.tracks()) draw(track.id, track.x, track.y);
 #pragma once
 
 #include <chrono>

@@ -8,6 +8,10 @@
 // back by up to 1 s counts as the latest one. Results do not depend on how the stream is cut.
 // Source: own design; the residual of a global motion as in Vasco et al., "Independent Motion
 // Detection with Event-driven Cameras", ICAR 2017, which has corners instead of flow.
+//
+//   MotionSegmenter segmenter{{.width = 346, .height = 260}};
+//   segmenter.process(events);
+//   for (const TrackedObject& object : segmenter.objects()) draw(object.id, object.x, object.y);
 #pragma once
 
 #include <array>

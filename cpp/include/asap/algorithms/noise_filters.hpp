@@ -1,6 +1,10 @@
 // The filters that remove noise: BackgroundActivityFilter drops events without support,
 // HotPixelMask those of hot pixels. One thread at a time. O(1) per event, no allocation after
 // construction. They belong in front of the gamma filter.
+//
+//   BackgroundActivityFilter filter{{.width = 346, .height = 260}};
+//   std::vector<Event> kept(events.size());
+//   kept.resize(filter.process(events, std::span(kept)));
 #pragma once
 
 #include <chrono>

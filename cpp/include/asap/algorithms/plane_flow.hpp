@@ -6,6 +6,10 @@
 // cover some 3 px in the window. One thread. O(1) per event; no allocation after construction.
 // Source: Benosman, Clercq, Lagorce, Ieng, Bartolozzi, "Event-Based Visual Flow", IEEE TNNLS 2014,
 // which takes every event and every plane: `refit`.
+//
+//   PlaneFlow flow{{.width = 346, .height = 260}};
+//   std::vector<Flow> flows(events.size());
+//   flow.process(events, std::span(flows));  // px/s; NaN where the events around give none
 #pragma once
 
 #include <chrono>

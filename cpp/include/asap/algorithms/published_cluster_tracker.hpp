@@ -6,6 +6,10 @@
 // milliseconds.
 // Source: Rodriguez-Gomez et al., "Asynchronous Event-Based Clustering and Tracking for Intrusion
 // Monitoring in UAS", ICRA 2020. The defaults are the launch values of the authors' release.
+//
+//   PublishedClusterTracker tracker{{.width = 346, .height = 260}};
+//   tracker.process(events);
+//   for (const Cluster& cluster : tracker.clusters()) draw(cluster.id, cluster.x, cluster.y);
 #pragma once
 
 #include <cstdint>

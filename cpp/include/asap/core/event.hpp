@@ -1,6 +1,8 @@
 // Event: one brightness change of one pixel. 16 bytes, byte-identical to Metavision's EventCD, so
 // such arrays enter without a copy. The two bytes between p and t are padding without a value:
 // compare and hash fields, never raw bytes. EventSource: where a run gets its events from.
+//
+//   const Event event{.x = 3, .y = 4, .p = 1, .t = 1'000};  // px, px, ON, us
 #pragma once
 
 #if __cplusplus < 201709L  // as gcc 10 calls C++20

@@ -2,6 +2,10 @@
 // ASAP, 2020). Whether event number i is kept depends on (seed, i, gamma) alone: the result does
 // not change with the way in which the stream is cut, and a smaller gamma keeps a subset. One
 // thread; O(1) per event and branch-free; no allocation.
+//
+//   GammaFilter filter(/*seed=*/1);
+//   std::vector<Event> kept(events.size());
+//   kept.resize(filter.apply(events, KeepThreshold::checked(0.3), std::span(kept)));
 #pragma once
 
 #include <cstddef>

@@ -8,6 +8,10 @@
 // event. A validator that doubts resets believes one only after kStays stamps in a row confirm it;
 // fewer are faults. With a warm-up, events within it after the first one, or after such a reset,
 // are before the start.
+//
+//   Validator validator{{.width = 346, .height = 260}};
+//   validator.check(events, [&](EventSpan good) { tracker.process(good); });
+//   if (validator.rejected().total() > 0) fail("some events do not fit");
 #pragma once
 
 #include <algorithm>

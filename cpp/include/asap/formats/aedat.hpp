@@ -1,6 +1,11 @@
 // AEDAT files: header and decoder of AEDAT 2.0, which jAER writes, and of AEDAT 3.1, which cAER
 // writes. Feed a decoder what follows the header, cut anywhere.
 // One thread per decoder, any thread for a header. O(bytes), no allocation, never throws on bytes.
+//
+//   if (const auto header = read_aedat2_header(bytes)) {
+//     Aedat2Decoder decoder{{.chip = header->chip}};
+//     decoder.decode(bytes.subspan(header->size), events);
+//   }
 #pragma once
 
 #include <cstddef>

@@ -1,6 +1,9 @@
 // The short records of ATIS recordings: Event Stream files (.es), and events of 40 bits (.bin,
 // .bs2). Feed a decoder the records, cut anywhere. One thread per decoder, any thread for a header.
 // O(bytes), no allocation, never throws on bytes.
+//
+//   Atis40Decoder decoder;
+//   decoder.decode(bytes, events);
 #pragma once
 
 #include <cstddef>

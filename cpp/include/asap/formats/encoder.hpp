@@ -4,6 +4,11 @@
 // are: EVT3 and Event Stream count from 0, and bridge a long gap by records that only advance
 // the time; encode() writes as many of them as there is room for. O(events + bytes). No allocation
 // but in header() and for an error.
+//
+//   Encoder encoder{{.width = 1280, .height = 720}};
+//   write(encoder.header());
+//   std::array<std::byte, 4096> room;
+//   const Progress progress = encoder.encode(events, std::span(room));
 #pragma once
 
 #include <cstddef>

@@ -12,6 +12,10 @@
 // message before left unfinished is bad. Times are us of time_base + offset, rounded down.
 //
 // One thread. Never throws, never allocates. O(bytes).
+//
+//   MonoDecoder decoder;
+//   decoder.begin(/*time_base_ns=*/0);
+//   decoder.decode(bytes, events);
 #pragma once
 
 #include <cstddef>

@@ -3,6 +3,9 @@
 //
 // One thread per decoder, any thread for a header. Never throws on bytes, never allocates.
 // O(bytes).
+//
+//   Evt3Decoder decoder;
+//   decoder.decode(bytes, events);  // behind the header, cut anywhere
 #pragma once
 
 #include <cstddef>

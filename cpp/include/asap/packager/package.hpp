@@ -1,5 +1,10 @@
 // Package: the events handed to the algorithm in one go, with what the algorithm may want to know
 // about them. The events stay valid until the package is completed.
+//
+//   const Consumer consumer = [&](const Package& package) {
+//     tracker.set_gamma(package.gamma);
+//     tracker.process(package.events);
+//   };
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,6 @@
 // Consumer, WhenFull, RunConfig, RunStats, PipelineMemory: what the runners have in common.
+//
+//   const RunConfig config{.latency = 10ms, .validator = {.width = 346, .height = 260}};
 #pragma once
 
 #include <chrono>

@@ -11,6 +11,9 @@
 // in a package of a few events: give a fast algorithm, which gets small packages, a min_size of 20
 // or more, or gamma falls now and then without need. Flush: when the oldest event has waited for
 // the latency bound, all that waits is taken.
+//
+//   Asap2020 scheme{{.rate_bound = 5e6}};
+//   Pipeline pipeline{scheme, {.latency = 10ms}};
 #pragma once
 
 #include "asap/schemes/scheme.hpp"

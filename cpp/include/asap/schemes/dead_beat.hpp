@@ -10,6 +10,9 @@
 //   4 count    n = (H - alpha) / beta of the N events that are there
 //
 // Called on the consumer's thread, once or twice per package. O(1), no allocation.
+//
+//   DeadBeat scheme;
+//   Pipeline pipeline{scheme, {.latency = 10ms}};
 #pragma once
 
 #include "asap/schemes/scheme.hpp"

@@ -9,6 +9,9 @@
 // There is no rate estimate and no integrator in the loop, so nothing lags. Called on the
 // consumer's thread, once or twice per package. 32 counts by age and one exact one, no allocation.
 // Where the bound is below what the algorithm needs at all, it plans with 2.5 fixed costs.
+//
+//   Deadline scheme{{.prefer = Prefer::continuity}};
+//   Pipeline pipeline{scheme, {.latency = 10ms}};  // without a scheme: Deadline
 #pragma once
 
 #include <cstddef>

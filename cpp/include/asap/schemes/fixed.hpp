@@ -1,6 +1,9 @@
 // FixedSize, FixedTime, SingleEvent: schemes that cut the stream without a look at the algorithm,
 // as most tools do today. gamma is 1. Called on the consumer's thread, once per package; no
 // allocation.
+//
+//   FixedTime scheme{{.period = 10ms}};
+//   Replay replay{scheme, {.speed = 1.0}, {}};
 #pragma once
 
 #include <chrono>

@@ -5,6 +5,9 @@
 // time for events: oldest first, the rest waits. That shortens the longest latency after abrupt
 // changes (notebooks/theory.md, T4), as long as eta stays well above the mean load. alpha and beta
 // are learned. O(1) per package.
+//
+//   Greedy scheme;
+//   Replay replay{scheme, {.speed = 1.0}, {}};
 #pragma once
 
 #include <optional>

@@ -3,6 +3,15 @@
 // package really cost (Outcome). It reads no clock, draws no random number, touches no ring and
 // allocates nothing. Called on the consumer's thread, once or twice per package. Times are ns of
 // the run's axis (core/time.hpp).
+//
+//   class Halves final : public Scheme {
+//    public:
+//     Decision decide(const Backlog& backlog) noexcept override {
+//       return Decision::take(backlog.count, /*gamma=*/0.5);
+//     }
+//     void observe(const Outcome&) noexcept override {}
+//     std::string_view name() const noexcept override { return "halves"; }
+//   };
 #pragma once
 
 #include <atomic>

@@ -2,6 +2,9 @@
 // go back, memory is allocated in the constructor alone, and the same configuration gives the same
 // events on every compiler: streams decide with integers, + - * / and sqrt only, compiled with
 // -ffp-contract=off, hence in .cpp files. Any one thread reads; one virtual call per block.
+//
+//   FlightOverChairs stream{{.duration = 1s}};
+//   for (auto block = stream.next(); !block.empty(); block = stream.next()) tracker.process(block);
 #pragma once
 
 #include <algorithm>

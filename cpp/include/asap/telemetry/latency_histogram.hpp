@@ -2,6 +2,10 @@
 // octave, so a quantile is within 0.4 % of the truth; count, mean, max and the count within the
 // bound are exact. One thread records; a copy may be taken by any thread meanwhile. O(1) per event,
 // no allocation after construction. The idea of HdrHistogram.
+//
+//   LatencyHistogram latencies(/*bound_ns=*/10'000'000);
+//   latencies.record(1'200'000);
+//   const double p99_ns = latencies.quantile_ns(0.99);
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,8 @@
 // Ledger: where every event went. Slot: what became of the events of one millisecond. Plain
 // numbers.
+//
+//   const Ledger ledger = pipeline.ledger();
+//   if (ledger.delivered < ledger.received) fail("some events were lost");
 #pragma once
 
 #include <cstdint>

@@ -3,6 +3,9 @@
 // allocated by make_room(), between packages and never on the hot path; append() does not allocate.
 // A bounded log keeps the newest rows, none if its bound is 0; its totals are of all. One thread
 // writes, and may read. Other threads may read totals() meanwhile, the rest when the run is over.
+//
+//   const RunLog& log = pipeline.log();
+//   for (std::size_t i = log.first(); i < log.size(); ++i) draw(log[i].size, log[i].gamma);
 #pragma once
 
 #include <algorithm>
