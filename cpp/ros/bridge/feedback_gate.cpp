@@ -28,6 +28,7 @@ void FeedbackGate::wait() {
   }
   in_flight_ = false;
   if (closed_) return;
+  if (!counts_.stalled) stalled_since_ = sent_;
   counts_.stalled = !is_finished();
   if (!counts_.stalled) return;
   ++counts_.timeouts;
@@ -98,6 +99,8 @@ FeedbackGate::Counts FeedbackGate::counts() const {
   const std::lock_guard lock(mutex_);
   Counts counts = counts_;
   counts.consumers = consumers_.size();
+  const std::chrono::duration<double> stalled = Clock::now() - stalled_since_;
+  counts.stalled_s = counts.stalled ? stalled.count() : 0.0;
   return counts;
 }
 

@@ -25,6 +25,7 @@ class FeedbackGate {
     std::uint64_t timeouts = 0;   // packages that a consumer did not finish in time
     std::uint64_t consumers = 0;  // that are waited for
     bool stalled = false;         // the last package was such a one
+    double stalled_s = 0;         // since the first of them in a row was sent
     std::string refusal{};        // why, the last time
   };
 
@@ -68,6 +69,7 @@ class FeedbackGate {
   std::condition_variable changed_;
   Clock::duration patience_ = std::chrono::seconds(1);
   Clock::time_point sent_{};
+  Clock::time_point stalled_since_{};
   std::uint64_t seq_ = 0;
   bool in_flight_ = false;
   bool closed_ = false;

@@ -1,6 +1,7 @@
 #include "ros/bridge/relay.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace asap::ros {
@@ -58,8 +59,9 @@ Complaint Relay::complaint() {
   if (counts.refused > before.refused) {
     return {Level::warn, "feedback refused: " + counts.refusal};
   }
-  if (counts.timeouts > before.timeouts) {
-    return {Level::warn, "stalled: no feedback within feedback_timeout_ms"};
+  if (counts.stalled || counts.timeouts > before.timeouts) {
+    return {Level::warn, "stalled: no feedback for " + to_text(std::floor(counts.stalled_s)) +
+                             " s; until it comes, a small package per feedback_timeout_ms"};
   }
   if (consumers.heard <= consumers.answering) return {};
   const bool is_chosen = !waits_ || consumers.answering > 0;

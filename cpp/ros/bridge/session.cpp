@@ -173,7 +173,8 @@ void Session::end() {
 void Session::process(const Package& package) {
   std::string what = "no std::exception";
   try {
-    return receiver_.process(package, stamp_of(package.t_first()));
+    receiver_.process(package, stamp_of(package.t_first()));
+    return scheme_->note(receiver_.stalled());
   } catch (const std::exception& error) {
     what = error.what();
   } catch (...) {

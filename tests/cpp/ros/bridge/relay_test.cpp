@@ -165,7 +165,7 @@ TEST(Relay, SaysWhatIsWrongWithItsConsumers) {
   EXPECT_EQ(fixture.relay.feedbacks().timeouts, 0u);
   fixture.answering = 2;
   fixture.relay.process(package_of(test::some_events(10)), 0);
-  EXPECT_EQ(said().second, "stalled: no feedback within feedback_timeout_ms");
+  EXPECT_EQ(said().second.find("stalled: no feedback for "), 0u);
   fixture.relay.feedback("consumer", 1, 0.0);
   EXPECT_EQ(said().second, "feedback refused: seq = 1: too late, its time was up");
   EXPECT_EQ(said().second, "");
@@ -184,4 +184,7 @@ TEST(Relay, RefusesParametersThatAreNone) {
 }
 
 }  // namespace
+  fixture.answering = 0;
+  fixture.relay.process(package_of(test::some_events(10)), 0);
+  fixture.answering = 2;
 }  // namespace asap::ros::relay_test

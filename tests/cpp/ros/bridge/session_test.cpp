@@ -467,6 +467,49 @@ TEST(Session, MakesThePackagesOfTheEventsThemselves) {
                           .seq = i,
                           .encoding = "evt3",
                           .bytes = std::as_bytes(std::span(bytes))};
+// What is published for a consumer that stays away waits in the middleware, and the time of such a
+// package says nothing about the algorithm.
+TEST(Session, PublishesLittleWhileTheConsumerStaysAway) {
+  using namespace std::chrono_literals;
+  class Away final : public Receiver {
+   public:
+    void process(const Package& package, std::int64_t) override {
+      if (is_away) most_away = std::max(most_away, was_away ? package.events.size() : 0);
+      was_away = is_away.load();
+      if (was_away) std::this_thread::sleep_for(100ms);  // the feedback's timeout
+    }
+    bool stalled() const override { return was_away; }
+
+    std::atomic<bool> is_away{false}, was_away{false};
+    std::size_t most_away = 0;
+  } receiver;
+  Session session({.latency_ms = 5}, receiver, [](Level, const std::string&) {});
+  std::int64_t t_us = 0;
+  const auto feed_for = [&](std::chrono::milliseconds time) {
+    const auto start = std::chrono::steady_clock::now();
+    while (std::chrono::steady_clock::now() - start < time) {
+      std::vector<std::uint8_t> bytes;
+      const Events events = test::some_events(2'000, t_us += 20'000);
+      const auto written = PackageWriter("mono").write(events, bytes);
+      session.take({.publisher = "camera",
+                    .sensor = {640, 480},
+                    .seq = static_cast<std::uint64_t>(t_us),
+                    .time_base = written.time_base,
+                    .encoding = "mono",
+                    .bytes = std::as_bytes(std::span(bytes))});
+      std::this_thread::sleep_for(1ms);
+    }
+  };
+  feed_for(100ms);
+  receiver.is_away = true;
+  feed_for(500ms);
+  session.stop();
+  EXPECT_GT(receiver.most_away, 0u);
+  EXPECT_LE(receiver.most_away, Session::kWhileAway);
+  EXPECT_GT(session.stats().ledger.stale, 10'000u);
+  EXPECT_TRUE(session.stats().ledger.balanced());
+}
+
       reader.see(packet);
       reader.decode(packet, [&](EventSpan block) { simulator.feed(block); });
     }
