@@ -157,6 +157,16 @@ def test_a_consumer_that_stays_away_gets_little_and_returns_to_fresh_events(peer
         peer.diagnosed(OK, "ok")
 
 
+def test_triggers_stand_in_the_packages(peer: Any) -> None:
+    words = np.array([8 << 12 | 1, 6 << 12 | 5, 10 << 12 | 3 << 8 | 1, 7, 2 << 12 | 9], "<u2")
+    with AsapNode(encoding="evt3", latency_ms=200):
+        peer.wait_for_node()
+        peer.send(words.tobytes(), encoding="evt3")
+        stats = peer.settled()
+    assert stats["triggers"] == {"received": 1, "passed": 1}
+    assert list(np.frombuffer(peer.packets[0].events, "<u2")[:3]) == list(words[:3])
+
+
 def test_diagnostics_say_that_all_is_rejected(peer: Any) -> None:
     with AsapNode(encoding="mono", latency_ms=200):
         peer.wait_for_node()

@@ -243,15 +243,6 @@ def test_the_slowest_consumer_sets_the_pace(make_peer: Callable[..., Peer]) -> N
     assert np.diff([*finished.values()]).min() > 0.04
 
 
-def test_triggers_are_declared_lost(peer: Peer) -> None:
-    words = np.array([8 << 12 | 1, 6 << 12 | 5, 10 << 12 | 1, 7, 2 << 12 | 9], "<u2")
-    with AsapNode(latency_ms=200):
-        peer.wait_for_node()
-        peer.send(words.tobytes(), encoding="evt3")
-        stats = peer.settled()
-    assert stats["messages"]["triggers_lost"] == stats["ledger"]["delivered"] == 1
-
-
 def test_a_consumer_that_is_killed_and_comes_back(make_peer: Callable[..., Peer]) -> None:
     driver = make_peer(consume=False)
     with AsapNode(encoding="mono", latency_ms=200):

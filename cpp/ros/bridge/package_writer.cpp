@@ -23,10 +23,11 @@ PackageWriter::PackageWriter(std::string_view encoding) : is_mono_(encoding == "
   if (!is_mono_ && encoding != "evt3") throw BadValue("encoding", encoding, {}, "mono or evt3");
 }
 
-PackageWriter::Written PackageWriter::write(EventSpan events, std::vector<std::uint8_t>& bytes) {
+PackageWriter::Written PackageWriter::write(EventSpan events, std::vector<std::uint8_t>& bytes,
+                                            std::span<const Trigger> triggers) {
   bytes.clear();
   if (is_mono_) return write_mono(events, bytes);
-  write_evt3(events, bytes);
+  write_evt3(events, triggers, bytes);
   return {.events = events.size()};
 }
 
@@ -53,7 +54,8 @@ PackageWriter::Written PackageWriter::write_mono(EventSpan events,
 // The encoder counts from 0, bridges gaps by marks and refuses a stamp that goes back: it begins at
 // the stamp modulo the range of EVT3, which is all that a reader learns, and begins anew where the
 // stamps do.
-void PackageWriter::write_evt3(EventSpan events, std::vector<std::uint8_t>& bytes) {
+void PackageWriter::write_evt3(EventSpan events, std::span<const Trigger> triggers,
+                               std::vector<std::uint8_t>& bytes) {
   std::array<Event, kBlock> shifted;
   std::array<std::byte, kBlock * Encoder::kMaxPerEvent> encoded;
   bytes.reserve(events.size() * 4 + Encoder::kMaxPerEvent);
@@ -61,10 +63,18 @@ void PackageWriter::write_evt3(EventSpan events, std::vector<std::uint8_t>& byte
   while (!events.empty()) {
     if (events.front().t < last_us_ || events.front().t - last_us_ > kMostGap_us) {
       evt3_.reset();
-      origin_us_ = events.front().t & ~(kEvt3Range_us - 1);
       last_us_ = events.front().t;
+      if (!triggers.empty()) {
+        last_us_ = std::clamp(triggers.front().t, last_us_ - kEvt3Range_us, last_us_);
+      }
+      origin_us_ = last_us_ & ~(kEvt3Range_us - 1);
+    }
+    for (; !triggers.empty() && triggers.front().t <= events.front().t;
+         triggers = triggers.subspan(1)) {
+      write_evt3(triggers.front(), bytes);
     }
     std::size_t count = std::min(kBlock, events.size());
+    while (!triggers.empty() && events[count - 1].t >= triggers.front().t) --count;
     while (events[count - 1].t - last_us_ > kMostGap_us) --count;  // the first one goes on
     for (std::size_t i = 0; i < count; ++i) {
       shifted[i] = events[i];
@@ -78,6 +88,18 @@ void PackageWriter::write_evt3(EventSpan events, std::vector<std::uint8_t>& byte
       bytes.insert(bytes.end(), first, first + done.bytes);
       block = block.subspan(done.events);
     }
+  }
+  for (const Trigger& trigger : triggers) write_evt3(trigger, bytes);
+}
+
+void PackageWriter::write_evt3(Trigger trigger, std::vector<std::uint8_t>& bytes) {
+  std::array<std::byte, 2 * Encoder::kMaxPerEvent> encoded;
+  last_us_ = std::max(trigger.t, last_us_);  // a clock that was set back
+  trigger.t = last_us_ - origin_us_;
+  for (Progress done; done.triggers == 0;) {
+    done = evt3_.encode(trigger, encoded);
+    const auto* const first = reinterpret_cast<const std::uint8_t*>(encoded.data());
+    bytes.insert(bytes.end(), first, first + done.bytes);
   }
 }
 

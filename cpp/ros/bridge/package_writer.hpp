@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -26,12 +27,16 @@ class PackageWriter {
   explicit PackageWriter(std::string_view encoding);
 
   // Writes the first message of `events`, which are not empty and in time order and whose
-  // coordinates are below kMostPixels. `bytes` are replaced.
-  Written write(EventSpan events, std::vector<std::uint8_t>& bytes);
+  // coordinates are below kMostPixels. `bytes` are replaced. In "evt3", `triggers` stand between
+  // the events, in order of time; their ids are below 16.
+  Written write(EventSpan events, std::vector<std::uint8_t>& bytes,
+                std::span<const Trigger> triggers = {});
 
  private:
   Written write_mono(EventSpan events, std::vector<std::uint8_t>& bytes) const;
-  void write_evt3(EventSpan events, std::vector<std::uint8_t>& bytes);
+  void write_evt3(EventSpan events, std::span<const Trigger> triggers,
+                  std::vector<std::uint8_t>& bytes);
+  void write_evt3(Trigger trigger, std::vector<std::uint8_t>& bytes);
 
   const bool is_mono_;
   Encoder evt3_{{.encoding = Encoding::evt3}};

@@ -73,10 +73,16 @@ PacketReader::Seen PacketReader::see(const Packet& packet) {
 }
 
 void PacketReader::decode(const Packet& packet, const Sink& sink) {
+  decode_all(packet, [&](EventSpan events, std::span<const Trigger>) {
+    if (!events.empty()) sink(events);
+  });
+}
+
+void PacketReader::decode_all(const Packet& packet, const SinkOfAll& sink) {
   std::visit(
       [&](auto& decoder) {
         if constexpr (std::is_same_v<std::remove_cvref_t<decltype(decoder)>, std::monostate>) {
-          if (!packet.events.empty()) sink(packet.events);
+          if (!packet.events.empty()) sink(packet.events, {});
         } else {
           decode_with(decoder, packet, sink);
         }
@@ -85,14 +91,15 @@ void PacketReader::decode(const Packet& packet, const Sink& sink) {
 }
 
 template <class Known>
-void PacketReader::decode_with(Known& decoder, const Packet& packet, const Sink& sink) {
+void PacketReader::decode_with(Known& decoder, const Packet& packet, const SinkOfAll& sink) {
   const std::uint64_t bad = decoder.bad_records(), unplaced = decoder.before_start();
   const std::uint64_t triggers = decoder.triggers();
   if constexpr (requires { decoder.begin(packet.time_base); }) decoder.begin(packet.time_base);
   for (auto rest = packet.bytes; !rest.empty();) {
-    const Progress done = decoder.decode(rest, std::span(block_));
+    const Progress done = decoder.decode(rest, std::span(block_), std::span(triggers_of_block_));
     rest = rest.subspan(done.bytes);
-    if (done.events > 0) sink(EventSpan(block_).first(done.events));
+    if (done.events + done.triggers == 0) continue;
+    sink(EventSpan(block_).first(done.events), std::span(triggers_of_block_).first(done.triggers));
   }
   bad_records_ += decoder.bad_records() - bad;
   before_start_ += decoder.before_start() - unplaced;

@@ -61,6 +61,7 @@ std::string sentence(Refusal refusal, const Packet& packet, std::string_view pub
 class PacketReader {
  public:
   using Sink = std::function<void(EventSpan)>;
+  using SinkOfAll = std::function<void(EventSpan, std::span<const Trigger>)>;
 
   struct Seen {
     bool is_new = false;  // the decoder begins anew: another publisher, or the same one restarted
@@ -83,12 +84,15 @@ class PacketReader {
   // The events of the message that see() has just seen, block by block.
   void decode(const Packet& packet, const Sink& sink);
 
+  // The same with the external triggers of each block, which may have no event.
+  void decode_all(const Packet& packet, const SinkOfAll& sink);
+
   const std::string& publisher() const noexcept { return publisher_; }
   const std::string& frame_id() const noexcept { return frame_id_; }
   std::uint64_t bad_records() const noexcept { return bad_records_; }
   // Events whose time or row is not known, at the start of an EVT3 stream or behind a gap.
   std::uint64_t before_start() const noexcept { return before_start_; }
-  // External triggers, which no output has.
+  // External triggers.
   std::uint64_t triggers() const noexcept { return triggers_; }
 
  private:
@@ -96,7 +100,7 @@ class PacketReader {
       std::variant<std::monostate, Evt3Decoder, LibcaerDecoder, LibcaerCmpDecoder, MonoDecoder>;
 
   template <class Known>
-  void decode_with(Known& decoder, const Packet& packet, const Sink& sink);
+  void decode_with(Known& decoder, const Packet& packet, const SinkOfAll& sink);
 
   std::string publisher_;
   std::string frame_id_;
@@ -107,6 +111,7 @@ class PacketReader {
   std::int64_t stamp_ns_ = 0;
   std::uint64_t refused_ = 0;  // since the last one that was seen
   std::vector<Event> block_;
+  std::array<Trigger, 64> triggers_of_block_;
   std::uint64_t bad_records_ = 0;
   std::uint64_t before_start_ = 0;
   std::uint64_t triggers_ = 0;

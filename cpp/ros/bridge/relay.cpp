@@ -74,6 +74,12 @@ void Relay::begin(const Geometry& sensor) {
   gate_.open();
 }
 
+bool Relay::trigger(const Trigger& trigger) {
+  if (encoding_ != "evt3" || trigger.id >= 16) return false;
+  triggers_.push_back(trigger);
+  return true;
+}
+
 void Relay::process(const Package& package, std::int64_t stamp_ns) {
   const auto start = FeedbackGate::Clock::now();
   const Consumers consumers = count_();
@@ -82,13 +88,14 @@ void Relay::process(const Package& package, std::int64_t stamp_ns) {
   message_.stamp_ns = stamp_ns;
   for (EventSpan rest = package.events; !rest.empty();) {
     PackageWriter::Written written{.events = rest.size()};
-    if (writer_) written = writer_->write(rest, message_.bytes);
+    if (writer_) written = writer_->write(rest, message_.bytes, triggers_);
     message_.time_base = written.time_base;
     message_.events = rest.first(written.events);
     ++message_.seq;
     if (waits) gate_.sent(message_.seq);
     publish_(message_);
     rest = rest.subspan(written.events);
+    triggers_.clear();
   }
   if (waits) gate_.wait();
   for (;;) {

@@ -56,6 +56,7 @@ class Relay final : public Receiver {
   FeedbackGate::Counts feedbacks() const { return gate_.counts(); }
 
   void begin(const Geometry& sensor) override;
+  bool trigger(const Trigger& trigger) override;
   void process(const Package& package, std::int64_t stamp_ns) override;
   void hurry() noexcept override { gate_.close(); }
   bool is_heard() const override { return count_().heard > 0; }
@@ -75,6 +76,7 @@ class Relay final : public Receiver {
   FeedbackGate::Counts complained_;      // at the last complaint()
   std::optional<PackageWriter> writer_;  // none: the middleware encodes
   Message message_;
+  std::vector<Trigger> triggers_;  // of the next package
 };
 
 }  // namespace asap::ros

@@ -14,6 +14,7 @@ using namespace std::chrono_literals;
 constexpr auto kTurn = 1s;           // a camera that is silent for longer has lost its turn
 constexpr auto kComplainEvery = 1s;  // a refusal is logged
 constexpr std::size_t kMarks = 4096;
+constexpr std::size_t kTriggers = 4096;
 constexpr double kGoodShare = 0.95;  // of the events, processed in time
 constexpr double kBadShare = 0.01;   // of the events, rejected
 
@@ -77,13 +78,15 @@ std::optional<Refusal> Session::take(const Packet& packet) {
   is_new_epoch_ = is_new_epoch_ || seen.is_new;
   const auto arrival = now - std::chrono::nanoseconds(std::max<std::int64_t>(packet.waited_ns, 0));
   std::optional<std::int64_t> first_us;
-  reader_.decode(packet, [&](EventSpan events) {
+  reader_.decode_all(packet, [&](EventSpan events, std::span<const Trigger> triggers) {
     if (!first_us) {
-      first_us = events.front().t;
+      first_us = events.empty() ? triggers.front().t : events.front().t;
+      if (!triggers.empty()) first_us = std::min(*first_us, triggers.front().t);
       if (std::exchange(is_new_epoch_, false)) pipeline_->begin_epoch(*first_us);
       mark(packet, *first_us + pipeline_->clock_offset_us());
     }
-    pipeline_->push(events, arrival);
+    note(triggers);
+    if (!events.empty()) pipeline_->push(events, arrival);
   });
   // Again: the pipeline may have found by itself that the clock was set back.
   if (first_us) mark(packet, *first_us + pipeline_->clock_offset_us());
@@ -132,6 +135,16 @@ void Session::note_wait(const Packet& packet, Clock::time_point now) {
   max_backlog_ = std::max(max_backlog_, backlog_);
 }
 
+void Session::note(std::span<const Trigger> triggers) {
+  const std::int64_t offset_us = pipeline_->clock_offset_us();
+  const std::lock_guard worker(worker_);
+  for (Trigger trigger : triggers) {
+    trigger.t += offset_us;
+    triggers_.push_back(trigger);
+    if (triggers_.size() > kTriggers) triggers_.pop_front();
+  }
+}
+
 void Session::mark(const Packet& packet, std::int64_t t_us) {
   const std::lock_guard worker(worker_);
   if (frame_id_ != packet.frame_id) frame_id_ = packet.frame_id;
@@ -150,6 +163,7 @@ void Session::begin(const Geometry& sensor) {
   receiver_.begin(sensor);
   pipeline_.reset();
   marks_.clear();
+  triggers_.clear();
   std::erase_if(reported_, [](const auto& count) {
     return count.first != "messages" && count.first != "refused" && count.first != "failures";
   });
@@ -173,6 +187,7 @@ void Session::end() {
 void Session::process(const Package& package) {
   std::string what = "no std::exception";
   try {
+    pass_triggers(package.t_last());
     receiver_.process(package, stamp_of(package.t_first()));
     return scheme_->note(receiver_.stalled());
   } catch (const std::exception& error) {
@@ -180,6 +195,21 @@ void Session::process(const Package& package) {
   } catch (...) {
   }
   fail("process() throws: " + what);
+}
+
+void Session::pass_triggers(std::int64_t until_us) {
+  const std::lock_guard worker(worker_);
+  bool is_lost = false;
+  std::erase_if(triggers_, [&](const Trigger& trigger) {
+    if (trigger.t > until_us) return false;
+    const bool passes = receiver_.trigger(trigger);
+    passed_ += passes;
+    is_lost = is_lost || !passes;
+    return true;
+  });
+  if (is_lost && !std::exchange(is_trigger_loss_said_, true)) {
+    say_(Level::warn, "external triggers do not pass; packages in evt3 have them");
+  }
 }
 
 void Session::fail(const std::string& what) {
@@ -375,8 +405,9 @@ Facts Session::facts(const PipelineStats& stats) const {
   }
   facts.push_back({"messages.bad_records", number(reader_.bad_records())});
   facts.push_back({"messages.before_start", number(reader_.before_start())});
-  facts.push_back({"messages.triggers_lost", number(reader_.triggers())});
   const std::lock_guard worker(worker_);
+  facts.push_back({"triggers.received", number(reader_.triggers())});
+  facts.push_back({"triggers.passed", number(passed_)});
   facts.push_back({"failures.count", number(failures_)});
   facts.push_back(text("failures.last", failure_));
   const Facts more = receiver_.facts();

@@ -17,6 +17,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -45,6 +46,9 @@ class Receiver {
   virtual Execution execution() const noexcept { return Execution::whole; }
   // A run begins: events of a sensor of this size will come.
   virtual void begin(const Geometry&) {}
+  // On the session's thread, before the package in whose time it lies. Returns whether the
+  // receiver passes it on.
+  virtual bool trigger(const Trigger&) { return false; }
   // On the session's thread. `stamp_ns`: when the package began, by the clock of the messages.
   virtual void process(const Package& package, std::int64_t stamp_ns) = 0;
   // The run ends: a process() that waits for something waits no longer. Any thread.
@@ -150,8 +154,10 @@ class Session {
   void begin(const Geometry& sensor);
   void end();
   void mark(const Packet& packet, std::int64_t t_us);
+  void note(std::span<const Trigger> triggers);
   void note_wait(const Packet& packet, Clock::time_point now);
   void process(const Package& package);
+  void pass_triggers(std::int64_t until_us);
   void fail(const std::string& what);
   Counts counts_of(const PipelineStats& stats) const;
   void judge(Report& report, const Counts& since, const PipelineStats& stats,
@@ -187,10 +193,13 @@ class Session {
   bool is_behind_ = false;       // at the last report
   std::uint64_t messages_ = 0;
   std::array<std::uint64_t, kRefusals.size()> refused_{};
-  Counts reported_;            // up to the last report
-  LatencyHistogram latency_;   // likewise
-  mutable std::mutex worker_;  // the next four, which the worker reads and writes as well
-  std::deque<Mark> marks_;     // one per message that may still wait
+  Counts reported_;               // up to the last report
+  LatencyHistogram latency_;      // likewise
+  mutable std::mutex worker_;     // the next seven, which the worker reads and writes as well
+  std::deque<Mark> marks_;        // one per message that may still wait
+  std::deque<Trigger> triggers_;  // that wait for the events of their time
+  std::uint64_t passed_ = 0;      // triggers
+  bool is_trigger_loss_said_ = false;
   std::string frame_id_;
   std::uint64_t failures_ = 0;
   std::string failure_;

@@ -1,5 +1,6 @@
 #include "asap/formats/encoder.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <charconv>
 #include <cstring>
@@ -58,12 +59,17 @@ struct Evt3Format : Limits {
     return put_word(to, kAddrX, is_on(event) << 11 | event.x);
   }
 
+  static std::byte* put(State& state, const Trigger& trigger, std::byte* to) noexcept {
+    to = put_time(state, trigger.t, to);
+    return put_word(to, kTrigger, trigger.id << 8 | trigger.value);
+  }
+
   static std::byte* mark(State& state, std::byte* to) noexcept {
     return put_time(state, state.t + kReach, to);
   }
 
  private:
-  static constexpr std::uint32_t kAddrY = 0, kAddrX = 2, kTimeLow = 6, kTimeHigh = 8;
+  static constexpr std::uint32_t kAddrY = 0, kAddrX = 2, kTimeLow = 6, kTimeHigh = 8, kTrigger = 10;
   static constexpr std::ptrdiff_t kWord = 2;  // bytes
 
   static std::byte* put_word(std::byte* to, std::uint32_t type, std::int64_t payload) noexcept {
@@ -191,6 +197,27 @@ Progress Encoder::encode(std::span<const Event> events, std::span<std::byte> byt
       return encode_as<CsvFormat>(events, bytes);
   }
   return {};
+}
+
+Progress Encoder::encode(const Trigger& trigger, std::span<std::byte> bytes) {
+  require(config_.encoding == Encoding::evt3, "encoding", static_cast<int>(config_.encoding),
+          "only EVT3 holds triggers");
+  require(trigger.id < 16, "id", int{trigger.id}, "EVT3 holds ids up to 15");
+  require(trigger.t >= std::max(state_.last_t, Evt3Format::kMinTime), "t", trigger.t,
+          "must be 0 or more and not before the last event");
+  Progress done;
+  const auto room = [&] { return bytes.size() - done.bytes >= kMaxPerEvent; };
+  const auto put = [&](std::byte* end) {
+    done.bytes = static_cast<std::size_t>(end - bytes.data());
+  };
+  while (room() && trigger.t - state_.t >= Evt3Format::kReach) {
+    put(Evt3Format::mark(state_, bytes.data() + done.bytes));
+  }
+  if (!room()) return done;
+  put(Evt3Format::put(state_, trigger, bytes.data() + done.bytes));
+  state_.last_t = trigger.t;
+  done.triggers = 1;
+  return done;
 }
 
 template <class Format>

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <span>
 #include <stdexcept>
@@ -212,6 +213,25 @@ TEST(Encoder, WhatIsRestatedCanBeReadAlone) {
   encode(encoder, first);
   encoder.restate();
   EXPECT_EQ(read(Encoding::evt3, encode(encoder, second)), second);
+}
+
+TEST(Encoder, HoldsTriggersInEvt3Alone) {
+  const Trigger trigger{.t = 20'000'000, .id = 15, .value = 1};
+  std::array<std::byte, 100> bytes;  // not room for all marks
+  Encoder encoder(config(Encoding::evt3));
+  Evt3Decoder decoder;
+  std::array<Event, 1> none;
+  std::array<Trigger, 2> read{};
+  for (Progress done, seen; done.triggers == 0;) {
+    done = encoder.encode(trigger, bytes);
+    seen = decoder.decode(std::span(bytes).first(done.bytes), none, read);
+    EXPECT_EQ(seen.triggers, done.triggers);
+  }
+  EXPECT_EQ(read[0], trigger);
+  EXPECT_THROW(encoder.encode(Trigger{.t = 0, .id = 1, .value = 1}, bytes), std::invalid_argument);
+  EXPECT_THROW(encoder.encode(Trigger{.t = 30'000'000, .id = 16, .value = 1}, bytes),
+               std::invalid_argument);
+  EXPECT_THROW(Encoder(config(Encoding::csv)).encode(trigger, bytes), std::invalid_argument);
 }
 
 TEST(Encoder, AllocatesNothing) {

@@ -45,6 +45,10 @@ class Encoder {
   // it, for example because its stamp goes back. The bytes of that call are then lost.
   Progress encode(std::span<const Event> events, std::span<std::byte> bytes);
 
+  // Encodes an external trigger, which is no older than the last event; its id is below 16. For
+  // EVT3. Returns no trigger where the room has ended before it: call again.
+  Progress encode(const Trigger& trigger, std::span<std::byte> bytes);
+
   void reset() noexcept { state_ = {}; }
 
   // The next event states its time and row again: what follows can be read without what came

@@ -44,6 +44,30 @@ Events read_back(const std::string& encoding, const std::vector<Events>& package
   return all;
 }
 
+TEST(PackageWriter, PutsTriggersBetweenTheEvents) {
+  constexpr std::int64_t kLate = 20'000'000'000;  // hours of marks; the reader counts modulo 2^24
+  const Events events{{1, 1, 1, 100}, {2, 1, 0, 200}, {3, 2, 1, 200}, {4, 2, 1, kLate}};
+  const std::vector<Trigger> triggers{
+      {50, 1, 1}, {200, 15, 0}, {250, 0, 1}, {10'000'000'000, 2, 1}, {kLate + 7, 3, 0}};
+  PackageWriter writer("evt3");
+  std::vector<std::uint8_t> bytes;
+  for (int package = 0; package < 2; ++package) writer.write(events, bytes, triggers);
+  PacketReader reader;
+  const Packet packet{.publisher = "asap",
+                      .sensor = {640, 480},
+                      .encoding = "evt3",
+                      .bytes = std::as_bytes(std::span(bytes))};
+  reader.see(packet);
+  Events read;
+  std::vector<Trigger> passed;
+  reader.decode_all(packet, [&](EventSpan block, std::span<const Trigger> more) {
+    read.insert(read.end(), block.begin(), block.end());
+    passed.insert(passed.end(), more.begin(), more.end());
+  });
+  EXPECT_EQ(read, events);
+  EXPECT_EQ(passed, triggers);
+}
+
 std::vector<Events> cut(const Events& events, std::size_t size) {
   std::vector<Events> packages;
   for (std::size_t at = 0; at < events.size(); at += size) {

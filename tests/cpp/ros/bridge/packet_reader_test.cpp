@@ -165,11 +165,17 @@ TEST(PacketReader, CountsRecordsThatAreNone) {
   EXPECT_EQ(reader.bad_records(), 1u);
 }
 
-TEST(PacketReader, CountsTriggers) {
+TEST(PacketReader, ReadsTriggers) {
   const Bytes bytes{1, 0x80, 5, 0x60, 1, 0xa1};  // a time, an edge at input 1
   PacketReader reader;
   EXPECT_TRUE(read(reader, packet(bytes, 0)).empty());
-  EXPECT_EQ(reader.triggers(), 1u);
+  std::vector<Trigger> triggers;
+  reader.decode_all(packet(bytes, 0), [&](EventSpan events, std::span<const Trigger> block) {
+    EXPECT_TRUE(events.empty());
+    triggers.insert(triggers.end(), block.begin(), block.end());
+  });
+  EXPECT_EQ(triggers, (std::vector<Trigger>{{.t = 4'101, .id = 1, .value = 1}}));
+  EXPECT_EQ(reader.triggers(), 2u);
 }
 
 }  // namespace

@@ -72,6 +72,22 @@ TEST(Relay, PublishesThePackages) {
   }
 }
 
+TEST(Relay, OnlyEvt3HasTriggers) {
+  const Trigger trigger{.t = 5, .id = 1, .value = 1};
+  EXPECT_FALSE(Fixture({.encoding = "mono"}).relay.trigger(trigger));
+  EXPECT_FALSE(Fixture({}).relay.trigger({.t = 5, .id = 16, .value = 1}));
+  Fixture fixture({.feedback = "none"});
+  EXPECT_TRUE(fixture.relay.trigger(trigger));
+  for (int i = 0; i < 2; ++i) fixture.relay.process(package_of({{1, 1, 1, 9}}), 0);
+  PacketReader reader;
+  for (const Message& message : fixture.sent) {
+    reader.see({.publisher = "asap", .encoding = "evt3"});
+    reader.decode({.encoding = "evt3", .bytes = std::as_bytes(std::span(message.bytes))},
+                  [](EventSpan) {});
+  }
+  EXPECT_EQ(reader.triggers(), 1u);
+}
+
 TEST(Relay, LeavesTheEncodingToTheMiddleware) {
   Events events = test::some_events(10);
   Events seen;
@@ -168,6 +184,9 @@ TEST(Relay, SaysWhatIsWrongWithItsConsumers) {
   EXPECT_EQ(said().second.find("stalled: no feedback for "), 0u);
   fixture.relay.feedback("consumer", 1, 0.0);
   EXPECT_EQ(said().second, "feedback refused: seq = 1: too late, its time was up");
+  fixture.answering = 0;
+  fixture.relay.process(package_of(test::some_events(10)), 0);
+  fixture.answering = 2;
   EXPECT_EQ(said().second, "");
 }
 
@@ -184,7 +203,4 @@ TEST(Relay, RefusesParametersThatAreNone) {
 }
 
 }  // namespace
-  fixture.answering = 0;
-  fixture.relay.process(package_of(test::some_events(10)), 0);
-  fixture.answering = 2;
 }  // namespace asap::ros::relay_test

@@ -36,6 +36,10 @@ class Collector : public Receiver {
     if (refuses) throw std::runtime_error("a sensor of this size does not fit");
     sensors.push_back(sensor);
   }
+  bool trigger(const Trigger& trigger) override {
+    triggers.emplace_back(trigger.t, events.size());
+    return takes_triggers;
+  }
   void process(const Package& package, std::int64_t stamp_ns) override {
     entered = true;
     held.wait(true);
@@ -50,6 +54,8 @@ class Collector : public Receiver {
   std::vector<Geometry> sensors;
   std::vector<std::pair<std::int64_t, std::int64_t>> stamps;
   Events events;
+  std::vector<std::pair<std::int64_t, std::size_t>> triggers;  // time, events before it
+  bool takes_triggers = true;
   int hurries = 0;
   Complaint complaint() override { return complains; }
 
@@ -110,6 +116,38 @@ TEST(Session, EveryEventReachesTheReceiver) {
   EXPECT_EQ(ledger, (Ledger{.received = 10'000, .delivered = 10'000}));
   EXPECT_EQ(fixture.said.back(), "run ended: received 10000 = delivered 10000");
   EXPECT_EQ(value_of(fixture.session.report().facts, "state"), "stopped");
+}
+
+TEST(Session, TriggersComeBeforeThePackageOfTheirTime) {
+  for (const bool takes : {true, false}) {
+    Fixture fixture;
+    fixture.collector.takes_triggers = takes;
+    const auto take = [&](std::uint64_t seq, std::vector<std::uint16_t> words) {
+      fixture.session.take({.publisher = "camera",
+                            .sensor = {640, 480},
+                            .seq = seq,
+                            .encoding = "evt3",
+                            .bytes = std::as_bytes(std::span(words))});
+    };
+    take(1, {0xa000, 0x8001, 0x6005, 0xa101, 0x0007, 0x2001});  // before a time; edge; event
+    take(2, {0xa100});                                          // edge
+    take(3, {0x6009, 0x2002});                                  // event, 4 us later
+    while (fixture.session.stats().ledger.pending > 0) std::this_thread::yield();
+    take(0, {0x8001, 0x6000, 0xa101, 0x0007, 0x2001});  // a new epoch begins with an edge
+    take(1, {0x6005, 0xa000});                          // waits for ever
+    fixture.session.stop();
+    const auto& passed = fixture.collector.triggers;
+    ASSERT_EQ(passed.size(), 3u);
+    EXPECT_EQ(passed[0], (std::pair<std::int64_t, std::size_t>{4'101, 0}));
+    EXPECT_EQ(passed[1].first, 4'101);
+    EXPECT_EQ(passed[2], (std::pair<std::int64_t, std::size_t>{4'106, 2}));
+    const Facts facts = fixture.session.report().facts;
+    EXPECT_EQ(value_of(facts, "triggers.received"), "5");
+    EXPECT_EQ(value_of(facts, "triggers.passed"), takes ? "3" : "0");
+    EXPECT_EQ(std::ranges::count(fixture.said,
+                                 "external triggers do not pass; packages in evt3 have them"),
+              takes ? 0 : 1);
+  }
 }
 
 TEST(Session, RunsTheSchemeThatTheParametersSay) {
@@ -429,44 +467,6 @@ TEST(Session, IsStalledWithItsReceiver) {
   EXPECT_EQ(value_of(fixture.session.report().facts, "state"), "stalled");
 }
 
-TEST(Session, AnotherBoundHoldsFromNowOn) {
-  Fixture fixture;
-  EXPECT_EQ(fixture.session.stats().latency_bound_ns, 10'000'000'000);  // without a run too
-  fixture.session.set({.latency_ms = 20});
-  EXPECT_EQ(fixture.session.stats().latency_bound_ns, 20'000'000);
-  fixture.take({{1, 1, 1, 5}}, 0);
-  EXPECT_EQ(fixture.session.stats().latency_bound_ns, 20'000'000);
-  fixture.session.set({.latency_ms = 30});
-  EXPECT_EQ(fixture.session.stats().latency_bound_ns, 30'000'000);
-  EXPECT_NE(test::error_of([&] { fixture.session.set({.latency_ms = -1}); }), "nothing was thrown");
-  EXPECT_EQ(fixture.session.stats().latency_bound_ns, 30'000'000);
-}
-
-// The bridge adds and loses nothing: in virtual time its events make the same packages.
-TEST(Session, MakesThePackagesOfTheEventsThemselves) {
-  const auto packages_of = [](auto&& feed) {
-    Deadline scheme;
-    std::vector<std::pair<std::int64_t, std::size_t>> packages;
-    Simulator simulator(scheme, LinearCost{{.alpha_us = 100, .beta_ns = 3'000}}, {},
-                        [&](const Package& package) {
-                          packages.emplace_back(package.t_first(), package.events.size());
-                        });
-    feed(simulator);
-    simulator.finish();
-    return packages;
-  };
-  const Events events = test::some_events(50'000);
-  PackageWriter writer("evt3");
-  PacketReader reader;
-  std::vector<std::uint8_t> bytes;
-  const auto direct = packages_of([&](Simulator& simulator) { simulator.feed(events); });
-  const auto bridged = packages_of([&](Simulator& simulator) {
-    for (std::uint64_t i = 0; i < 50; ++i) {
-      writer.write(EventSpan(events).subspan(i * 1'000, 1'000), bytes);
-      const Packet packet{.sensor = {640, 480},
-                          .seq = i,
-                          .encoding = "evt3",
-                          .bytes = std::as_bytes(std::span(bytes))};
 // What is published for a consumer that stays away waits in the middleware, and the time of such a
 // package says nothing about the algorithm.
 TEST(Session, PublishesLittleWhileTheConsumerStaysAway) {
@@ -510,6 +510,44 @@ TEST(Session, PublishesLittleWhileTheConsumerStaysAway) {
   EXPECT_TRUE(session.stats().ledger.balanced());
 }
 
+TEST(Session, AnotherBoundHoldsFromNowOn) {
+  Fixture fixture;
+  EXPECT_EQ(fixture.session.stats().latency_bound_ns, 10'000'000'000);  // without a run too
+  fixture.session.set({.latency_ms = 20});
+  EXPECT_EQ(fixture.session.stats().latency_bound_ns, 20'000'000);
+  fixture.take({{1, 1, 1, 5}}, 0);
+  EXPECT_EQ(fixture.session.stats().latency_bound_ns, 20'000'000);
+  fixture.session.set({.latency_ms = 30});
+  EXPECT_EQ(fixture.session.stats().latency_bound_ns, 30'000'000);
+  EXPECT_NE(test::error_of([&] { fixture.session.set({.latency_ms = -1}); }), "nothing was thrown");
+  EXPECT_EQ(fixture.session.stats().latency_bound_ns, 30'000'000);
+}
+
+// The bridge adds and loses nothing: in virtual time its events make the same packages.
+TEST(Session, MakesThePackagesOfTheEventsThemselves) {
+  const auto packages_of = [](auto&& feed) {
+    Deadline scheme;
+    std::vector<std::pair<std::int64_t, std::size_t>> packages;
+    Simulator simulator(scheme, LinearCost{{.alpha_us = 100, .beta_ns = 3'000}}, {},
+                        [&](const Package& package) {
+                          packages.emplace_back(package.t_first(), package.events.size());
+                        });
+    feed(simulator);
+    simulator.finish();
+    return packages;
+  };
+  const Events events = test::some_events(50'000);
+  PackageWriter writer("evt3");
+  PacketReader reader;
+  std::vector<std::uint8_t> bytes;
+  const auto direct = packages_of([&](Simulator& simulator) { simulator.feed(events); });
+  const auto bridged = packages_of([&](Simulator& simulator) {
+    for (std::uint64_t i = 0; i < 50; ++i) {
+      writer.write(EventSpan(events).subspan(i * 1'000, 1'000), bytes);
+      const Packet packet{.sensor = {640, 480},
+                          .seq = i,
+                          .encoding = "evt3",
+                          .bytes = std::as_bytes(std::span(bytes))};
       reader.see(packet);
       reader.decode(packet, [&](EventSpan block) { simulator.feed(block); });
     }
