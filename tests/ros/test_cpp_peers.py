@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 
+import numpy as np
 import pytest
-from door import DATA, ledger_in, wait
-from ros2_door import QOS, AsapNode, CppPeer, Peer, messages_of
+from door import DATA, Program, ledger_in, mono, wait
+from ros2_door import PRELOAD, QOS, AsapNode, CppPeer, Peer, messages_of, program
+from std_msgs.msg import UInt64
 
 BAG = "room_person_evt3.db3"
 
@@ -37,6 +40,25 @@ def test_in_the_drivers_process_no_packet_is_copied() -> None:
     print(result)
     assert result["events"] == 1_000 * 1_000
     assert result["allocations"] == result["messages"]  # the driver's own
+
+
+def test_a_node_with_more_threads_finds_the_same_corners(make_peer: Callable[..., Peer]) -> None:
+    peer, random, found = make_peer(consume=False), np.random.default_rng(0), set()
+    x, y = random.integers(100, 140, (2, 200, 100))
+    counts: list[int] = []
+    peer.create_subscription(UInt64, "asap/corners", lambda count: counts.append(count.data), 10)
+    words = [program("asap_ros", "corners"), "--ros-args", "-r", "__node:=asap"]
+    words += ["-p", "latency_ms:=1000.0", "-p"]
+    for threads in (1, 3):
+        with Program([*words, f"threads:={threads}"], PRELOAD):
+            peer.wait_for_node(consumers=False)
+            for i in range(200):
+                peer.send(mono(np.arange(100) + i * 100, x[i], y[i]))
+                time.sleep(0.01)
+            assert peer.settled()["ledger"]["delivered"] == 20_000
+            found.add(counts[-1])
+    assert len(found) == 1
+    assert found.pop() > 0
 
 
 def test_two_cameras_in_one_process_are_not_merged(make_peer: Callable[..., Peer]) -> None:
