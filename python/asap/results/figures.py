@@ -37,6 +37,19 @@ BLUE, VERMILION, GREEN, PURPLE = "#0072b2", "#d55e00", "#009e73", "#a14f7c"
 AMBER = "#c98a00"
 INK, FAINT = "#33383d", "#9aa1a8"
 
+
+def _where_dark() -> str:
+    """Rules of a style sheet: ink light, the background dark, two colours lighter."""
+    lighter = {INK: "#dfe3e7", BLUE: "#4fa8e0", PURPLE: "#c98bb0"}
+    rules = ['path[style*="fill: #ffffff"]{fill:#16181b!important}'] + [
+        f'[style*="{way}: {light}"]{{{way}:{dark}!important}}'
+        for light, dark in lighter.items()
+        for way in ("fill", "stroke")
+    ]
+    return "@media(prefers-color-scheme:dark){" + "".join(rules) + "}"
+
+
+_WHERE_DARK = _where_dark()
 _ON, _OFF = (214, 39, 40), (31, 90, 180)
 
 STYLE: Any = {
@@ -139,6 +152,8 @@ def control(
 def svg(figure: Figure) -> str:
     """Write a figure as SVG text: letters as letters, and the same bytes every time.
 
+    On a system whose colours are dark it shows itself dark.
+
     Parameters
     ----------
     figure : Figure
@@ -147,7 +162,7 @@ def svg(figure: Figure) -> str:
     text = io.StringIO()
     with matplotlib.rc_context({"svg.fonttype": "none", "svg.hashsalt": "asap"}):
         figure.savefig(text, format="svg", metadata={"Date": None})
-    return text.getvalue()
+    return text.getvalue().replace("</style>", f"{_WHERE_DARK}</style>", 1)
 
 
 class _Curves:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_NAME_HEIGHT = 12.0  # pixels of a page that is not printed yet
+_NAME_HEIGHT = 15.0  # pixels of a page that is not printed yet
 
 _COLOURS = {
     OURS: plots.BLUE,
@@ -37,7 +37,7 @@ _SHOWN = {  # label: words
 }
 
 
-def figure(rows: Rows, *, width_inches: float = 9.0) -> Figure:
+def figure(rows: Rows, *, width_inches: float = 4.6) -> Figure:
     """Draw three panels over the cost per event, a line for each scheme.
 
     `rows`: each consumer under each scheme in virtual time, the cheapest first. In time, of what
@@ -45,8 +45,8 @@ def figure(rows: Rows, *, width_inches: float = 9.0) -> Figure:
     latency, 0 where it is below. Bars are standard deviations over the seeds.
     """
     with matplotlib.rc_context({**plots.STYLE, "axes.titley": 1.0}):
-        page = plots.NotebookFigure(layout="constrained", figsize=(width_inches, 4.1))
-        panels = page.subplots(1, 3, width_ratios=(1.8, 1, 1), sharey=True)
+        page = plots.NotebookFigure(layout="constrained", figsize=(width_inches, 10.0))
+        panels = page.subplots(3, 1, height_ratios=(1.1, 1, 1))
         whole, trackers, corners = panels
         _lines(whole, rows, _of_possible)
         whole.set_title("finished within L, of what is possible")
@@ -61,15 +61,15 @@ def figure(rows: Rows, *, width_inches: float = 9.0) -> Figure:
         _name_rungs(whole, rows)
         for axes in panels:
             _dress(axes)
-        whole.set_ylim(-0.5, 1.08)
-        whole.set_yticks(np.linspace(0, 1, 6))
+            axes.set_ylim(-0.8, 1.08)
+            axes.set_yticks(np.linspace(0, 1, 6))
         handles, labels = whole.get_legend_handles_labels()
         order = [len(labels) - 1, *range(len(labels) - 1)]
         page.legend(
             [handles[i] for i in order],
             [labels[i] for i in order],
             loc="outside lower center",
-            ncols=4,
+            ncols=2,
         )
     return page
 
@@ -117,7 +117,7 @@ def _name_rungs(axes: Axes, rows: Rows) -> None:
         by_rung, costs, _apart(costs, least, costs[0] - margin / 2), strict=True
     ):
         axes.plot([10**cost, 10**place], [-0.02, -0.06], color=plots.FAINT, linewidth=0.6, zorder=0)
-        axes.text(10**place, -0.07, rung, rotation=90, ha="center", va="top", fontsize=6.5)
+        axes.text(10**place, -0.07, rung, rotation=90, ha="center", va="top", fontsize=8)
 
 
 def _apart(places: NDArray[np.float64], least: float, low: float) -> NDArray[np.float64]:

@@ -45,7 +45,7 @@ def snapshot(
         ]
         axes.plot(*_joined(ways), color=plots.GREEN, linewidth=1.0)
         for number, x, y, *_ in truth.tolist():
-            axes.text(x, y, str(number), fontsize=6, ha="center", va="center")
+            axes.text(x, y, str(number), fontsize=8, ha="center", va="center")
         axes.set(xlim=(-0.5, scene.width - 0.5), ylim=(scene.height - 0.5, -0.5))
         axes.set_title(f"{scene.name}: {window_ms:g} ms before {t_us * 1e-6:.3f} s")
     return figure

@@ -58,7 +58,7 @@ _IN_STEP = {
 }
 _P99_LIMITS = (0.3, 700.0)  # in L
 _LOST_LIMITS = (1.8, 1.2e-3)  # 1 - score
-_LABEL_HEIGHT = 0.045
+_LABEL_HEIGHT = 0.05
 
 # Dark is good; near 1 a hundredth has to be seen.
 _SCORES = LinearSegmentedColormap.from_list(
@@ -133,19 +133,17 @@ def _even(score: Any) -> Any:
 def score_and_latency(aggregates: Rows) -> Figure:
     """Draw the share of the oracle that each scheme misses against its p99, one panel per model."""
     with matplotlib.rc_context(plots.STYLE):
-        figure = Figure(figsize=(9.6, 7.0), layout="constrained")
-        panels = figure.subplots(2, 2, sharex=True, sharey=True)
-        for axes, model in zip(panels.flat, LATENCY_MS, strict=True):
+        figure = Figure(figsize=(4.6, 11.5), layout="constrained")
+        panels = figure.subplots(4, 1, sharex=True)
+        for axes, model in zip(panels, LATENCY_MS, strict=True):
             _draw_scatter(axes, only(aggregates, cost_model=model, further=False), model)
-        panels[0, 0].text(
+            axes.set_ylabel("mean score")
+        panels[0].text(
             _P99_LIMITS[0] * 1.07, 1.5, "bound kept", color=plots.GREEN, fontsize=8, va="bottom"
         )
-        for axes in panels[-1]:
-            axes.set_xlabel("worst p99 latency of all profiles, in L")
-        for axes in panels[:, 0]:
-            axes.set_ylabel("mean score")
+        panels[-1].set_xlabel("worst p99 latency of all profiles, in L")
         figure.suptitle(
-            "Score and latency belong together: up and left is better",
+            "Score and latency: up and left is better",
             x=0.005,
             ha="left",
             fontsize=11,
@@ -188,7 +186,7 @@ def _label(axes: Axes, points: list[tuple[float, float, str]]) -> None:
     for index in sorted(range(len(points)), key=lambda i: -places[i][1]):
         (x, y), label = places[index], points[index][2]
         ours = label in _OURS
-        width = (0.0165 if ours else 0.0145) * len(label)
+        width = (0.0195 if ours else 0.017) * len(label)
         left, right, low = _free_place(x, y, width, taken)
         taken.append((left, right, low, low + _LABEL_HEIGHT))
         middle = low + _LABEL_HEIGHT / 2
@@ -199,11 +197,11 @@ def _label(axes: Axes, points: list[tuple[float, float, str]]) -> None:
             (left, middle),
             xycoords="axes fraction",
             textcoords="axes fraction",
-            fontsize=7.5,
+            fontsize=8,
             va="center",
             fontweight="bold" if ours else "normal",
             color=plots.BLUE if ours else plots.INK,
-            arrowprops=line if abs(middle - y) > 0.03 else None,
+            arrowprops=line if abs(middle - y) > 0.035 else None,
         )
 
 
@@ -245,21 +243,22 @@ def step_response() -> Figure:
         threads=1,
     )
     with matplotlib.rc_context(plots.STYLE):
-        figure = Figure(figsize=(9.6, 4.4), layout="constrained")
-        panels = figure.subplots(2, len(_IN_STEP), sharex=True, sharey="row")
-        for column, (label, run) in enumerate(zip(_IN_STEP, found.runs, strict=True)):
-            latency, kept = panels[0, column], panels[1, column]
+        figure = Figure(figsize=(4.6, 6.6), layout="constrained")
+        panels = figure.subplots(len(_IN_STEP), 2, sharex=True, sharey="col")
+        for (latency, kept), (label, run) in zip(
+            panels, zip(_IN_STEP, found.runs, strict=True), strict=True
+        ):
             _draw_step(latency, kept, run.slots, _IN_STEP[label], scenario.latency_ms)
             latency.axhline(scenario.latency_ms, color=plots.VERMILION, linewidth=1.1)
-            latency.set_title(label, fontsize=10)
-            kept.set_xlabel("time [s]")
+            latency.set_title(f"{label}: latency [ms]")
+            kept.set_title("kept (pale: late)")
+        for axes in panels[-1]:
+            axes.set_xlabel("time [s]")
         panels[0, 0].text(
             0.36, scenario.latency_ms * 1.2, "L", color=plots.VERMILION, fontsize=9, va="bottom"
         )
-        panels[0, 0].set_ylabel("largest latency [ms]")
-        panels[1, 0].set_ylabel("kept (pale: late)")
         figure.suptitle(
-            "A rush: from 0.5 to 1 s 20 times the rate, 1.8 times what the algorithm can do",
+            "20 times the rate from 0.5 to 1 s: a load of 1.8",
             x=0.005,
             ha="left",
             fontsize=11,

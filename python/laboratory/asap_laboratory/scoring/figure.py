@@ -35,7 +35,7 @@ _SHARES = {"mota", "hota", "idf1", "precision", "recall", "f_measure", "v_measur
 
 
 def figure(
-    curves: Mapping[str, Rows], *, title: str | None = None, width_inches: float = 9.0
+    curves: Mapping[str, Rows], *, title: str | None = None, width_inches: float = 4.6
 ) -> Figure:
     """Draw scores over gamma, a colour for each curve: told as a line, not told dashed.
 
@@ -46,7 +46,7 @@ def figure(
     shown = _TRACKER if columns_of(first) is TRACKER else _CORNERS
     with matplotlib.rc_context({**plots.STYLE, "axes.titley": 1.0}):
         page = plots.NotebookFigure(layout="constrained")
-        panels = page.subplots(1, len(shown))
+        panels = page.subplots(2, 2).ravel()
         for axes, (column, words) in zip(panels, shown.items(), strict=True):
             for number, (label, rows) in enumerate(curves.items()):
                 draw(axes, label, rows, column, colour=_COLOURS[number % len(_COLOURS)])
@@ -54,9 +54,8 @@ def figure(
         if title:
             page.suptitle(title, x=0.01, ha="left", fontsize=10)
         handles, labels = panels[0].get_legend_handles_labels()
-        page.legend(handles, labels, loc="outside lower center", ncols=len(shown))
-        lines = -(-len(labels) // len(shown))
-        page.set_size_inches(width_inches, 2.2 + 0.2 * lines)
+        page.legend(handles, labels, loc="outside lower center", ncols=2)
+        page.set_size_inches(width_inches, 4.2 + 0.2 * -(-len(labels) // 2))
     return page
 
 
