@@ -194,6 +194,7 @@ void JaerClusterTracker::remove(std::size_t index) noexcept {
 std::vector<Cluster> JaerClusterTracker::clusters_at(std::int64_t t_us) const {
   EventClock clock = clock_;
   clock.advance_to(t_us);
+  constexpr double kVariance_px2 = kHalfSide_px * kHalfSide_px / 3;  // a box full of events
   std::vector<Cluster> clusters;
   for (const Slot slot : active_) {
     const Box& box = boxes_[slot];
@@ -206,9 +207,9 @@ std::vector<Cluster> JaerClusterTracker::clusters_at(std::int64_t t_us) const {
          .y = box.y + 1e-6F * age_us * box.vy,
          .vx = box.vx,
          .vy = box.vy,
-         .cxx = 0,
+         .cxx = kVariance_px2,
          .cxy = 0,
-         .cyy = 0,
+         .cyy = kVariance_px2,
          .size = std::lround(mass),
          .t_last = clock_.latest_us() - static_cast<std::int64_t>(clock_.now_us() - box.last_us)});
   }

@@ -173,6 +173,26 @@ def test_the_assignment_matches_the_most_boxes(tmp_path: Path) -> None:
     assert (found["hit"], found["error"]) == (1, 7)
 
 
+def test_iou_is_the_overlap_of_the_boxes_that_go_together(tmp_path: Path) -> None:
+    """The drawn box is 20 by 10 px around (20, 20)."""
+
+    class Extended(FakeTracker):
+        def __init__(self, extents: dict[str, float]) -> None:
+            super().__init__(lambda t_us: [])
+            fields = {"id": 7.0, "x": 20.0, "y": 20.0, **extents}
+            self.told = np.array([tuple(fields.values())], [(name, "f8") for name in fields])
+
+        def clusters_at(self, t_us: int) -> Any:
+            return self.told
+
+    scene = labelled(folder(tmp_path))
+    half_of_it = {"left": 10.0, "top": 10.0, "width": 10.0, "height": 20.0}  # and as much outside
+    assert score(Extended(half_of_it), scene)["iou"] == pytest.approx(100 / 300)
+    all_of_it = {"cxx": (10 / 1.75) ** 2, "cyy": (5 / 1.75) ** 2}
+    assert score(Extended(all_of_it), scene)["iou"] == pytest.approx(1)
+    assert math.isnan(score(Extended({}), scene)["iou"])
+
+
 def test_an_ignored_zone_excuses_clusters_not_misses(tmp_path: Path) -> None:
     zones = f"50,60,50,60,{T0_US},{T0_US + 20_000}\n"
     extra = {ms: [(7, *CENTRE), (8, 50, 59.9)] for ms in (10, 20, 30)}

@@ -76,10 +76,10 @@ def test_an_unlabelled_background_has_no_false_clusters(tmp_path: Path) -> None:
 def test_the_figures_are_those_of_score(tmp_path: Path) -> None:
     one = followed(tmp_path, CLUSTERS)
     scored = score(Told(CLUSTERS), one.scene)
-    for name in ("hit", "precision", "switches", "longest", "error", "mota"):
+    for name in ("hit", "precision", "switches", "longest", "error", "iou", "mota"):
         assert one.figures[name] == scored[name]
     row = overlays._cells(one)[1:-1]
-    assert row == (".667", ".500", "1", ".333", "0.0", "-.333")
+    assert row == (".667", ".500", "1", ".333", "0.0", ".490", "-.333")
 
 
 # ---- the page -------------------------------------------------------------------------------
@@ -159,8 +159,10 @@ def test_command_prints_the_table_and_writes_document_and_page(
     out = tmp_path / "out"
     assert main(["--real", str(sets(tmp_path)), "--out", str(out)]) == 0
     printed, told = capsys.readouterr()
-    assert printed.startswith("| set | hit | precision | switches | longest | error px | MOTA |")
-    assert "| first | .000 | - | 0 | .000 | - | .000 |" in printed
+    assert printed.startswith(
+        "| set | hit | precision | switches | longest | error px | IoU | MOTA |"
+    )
+    assert "| first | .000 | - | 0 | .000 | - | - | .000 |" in printed
     assert printed.endswith(
         f"wrote {out / 'real.md'}\nwrote {out / 'data' / 'real.csv'}\nwrote {out / 'real.html'}\n"
     )

@@ -92,7 +92,7 @@ def _summary(rows: Rows) -> Tables:
         by = [one["mota"] - theirs[one["seed"]] for one in only(here, tracker=OURS)]
         counts = (sum(d > 0 for d in by), sum(d == 0 for d in by), sum(d < 0 for d in by))
         row["ahead"] = None if row["tracker"] == OURS else " / ".join(map(str, counts))
-    names = ("set", "tracker", "hit", "precision", "switches", "longest", "error", "mota")
+    names = ("set", "tracker", "hit", "precision", "switches", "longest", "error", "iou", "mota")
     found = [{one: row[one] for one in (*names, "ns_per_event")} for row in rows if "set" in row]
     return {"rivals": table, "recordings": found}
 

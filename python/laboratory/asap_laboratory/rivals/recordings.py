@@ -177,6 +177,7 @@ HEAD = {
     "switches": "switches",
     "longest": "longest",
     "error": "error px",
+    "iou": "IoU",
     "box_mota": "MOTA",
     "ns_per_event": "ns per event",
 }
@@ -186,6 +187,7 @@ CELLS = {
     "box_mota": _judged("mota"),
     "longest": figure("longest"),
     "error": lambda row: "-" if row["error"] is None else f"{row['error']:.1f}",
+    "iou": lambda row: "-" if row["iou"] is None else fixed(row["iou"]),
     "ns_per_event": figure("ns_per_event", lambda value: f"{value:.0f}"),
 }
 """Heading and cells of a recording's row."""

@@ -1,4 +1,4 @@
-"""Clusters against the boxes of a labelled recording: hit, precision, switches, longest, error."""
+"""Clusters against the boxes of a labelled recording: hit, precision, switches, error, IoU."""
 
 from __future__ import annotations
 
@@ -48,6 +48,7 @@ class BoxScore(NamedTuple):
     switches: int  #: changes of an object's id
     longest: float  #: share of an object's boxes that its best id matched, mean over the objects
     error: float  #: px, median distance of the matched centres
+    iou: float  #: area shared by matched boxes / area of both, mean; NaN: clusters without extent
     mota: float  #: 1 - (misses + false + switches) / all boxes; NaN: not judged
 
 
@@ -58,6 +59,7 @@ class BoxMatch(NamedTuple):
     found: Snapshot  #: the clusters at that time
     pairs: list[tuple[int, int]]  #: rows of the boxes and of the clusters that go together
     distances: list[float]  #: px, between the centres of each pair
+    overlaps: list[float]  #: intersection over union of each pair; NaN: a cluster without extent
     switched: list[int]  #: rows of the boxes whose object had another id when it was matched last
     false: list[int]  #: rows of the clusters without a box, those in ignore zones left out
 
@@ -97,6 +99,7 @@ def box_score(scene: BoxScene, matches: list[BoxMatch]) -> BoxScore:
     labels, lives = np.unique(scene.boxes["id"], return_counts=True)
     best = [max(carried[label].values(), default=0) for label in labels.tolist()]
     distances = [distance for one in matches for distance in one.distances]
+    overlaps = [overlap for one in matches for overlap in one.overlaps]
     switches = sum(len(one.switched) for one in matches)
     false = sum(len(one.false) for one in matches)
     hits, boxes = len(distances), scene.boxes.size
@@ -107,6 +110,7 @@ def box_score(scene: BoxScene, matches: list[BoxMatch]) -> BoxScore:
         switches=switches,
         longest=float(np.mean(np.array(best) / lives)),
         error=float(np.median(distances)) if distances else float("nan"),
+        iou=float(np.mean(overlaps)) if overlaps else float("nan"),
         mota=1 - ratio(boxes - hits + false + switches, boxes) if judged else float("nan"),
     )
 
@@ -129,6 +133,7 @@ def _matches(
         found,
         pairs,
         [float(distance[pair]) for pair in pairs],
+        [_overlap(frame[row], found, column) for row, column in pairs],
         switched,
         np.flatnonzero(false).tolist(),
     )
@@ -141,6 +146,18 @@ def _distances(frame: NDArray[np.void], found: Snapshot) -> NDArray[np.float64]:
     away = np.abs(found.positions - centres[:, None])
     inside = np.all(away <= half[:, None] + PADDING_PX, axis=2)
     return np.where(inside, np.hypot(away[..., 0], away[..., 1]), np.inf)
+
+
+def _overlap(box: np.void, found: Snapshot, column: int) -> float:
+    if found.boxes is None:
+        return float("nan")
+    left, top, width, height = found.boxes[column].tolist()
+    shared = _shared(box["x"], box["w"], left, width) * _shared(box["y"], box["h"], top, height)
+    return float(ratio(shared, box["w"] * box["h"] + width * height - shared))
+
+
+def _shared(a: float, a_length: float, b: float, b_length: float) -> float:
+    return max(0.0, min(a + a_length, b + b_length) - max(a, b))
 
 
 def _matched(

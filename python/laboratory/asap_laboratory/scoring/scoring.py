@@ -99,6 +99,8 @@ def score(
         switches  changes of an object's id
         longest   share of an object's boxes that its best id matched, mean over the objects
         error     px, median distance of the centres
+        iou       intersection over union of a matched box and the cluster's (`left` to `height`,
+                  else 1.75 standard deviations of its events to each side), mean; NaN: no extent
         mota      1 - (misses + false + switches) / boxes; NaN like precision
         ========= ==========================================================================
 

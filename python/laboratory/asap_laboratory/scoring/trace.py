@@ -16,6 +16,7 @@ from asap_laboratory.scoring.scene import NOISE, Scene
 START_US = 100_000  #: the first sample
 PERIOD_US = 5_000  #: from one to the next
 ACTIVE_EVENTS = 5  #: of an object since the previous sample, to count as active
+_HALF_SIGMAS = 1.75  # half a box
 
 
 class Sample(NamedTuple):
@@ -245,6 +246,7 @@ class Snapshot:
     positions: NDArray[np.float64]  # (m, 2), px
     velocities: NDArray[np.float64] | None = None  # (m, 2), px/s
     covariances: NDArray[np.float64] | None = None  # (m, 2, 2), of the position's error, px^2
+    boxes: NDArray[np.float64] | None = None  # (m, 4), left, top, width, height, px
 
 
 def found_at(tracker: Any, t_us: int) -> NDArray[np.void]:
@@ -268,8 +270,9 @@ def snapshot_at(tracker: Any, t_us: int) -> Snapshot:
     """Read what `found_at` finds, at a time not before the last event that the tracker has seen.
 
     A structured array with id, x, y and, where the tracker knows them, vx, vy [px/s], t_last [us]
-    and the covariance pxx, pxy, pyy [px^2] of the error of x, y (infinite: it knows none). The
-    fields cxx, cxy, cyy are the extent, not the error, and are not read.
+    and the covariance pxx, pxy, pyy [px^2] of the error of x, y (infinite: it knows none). Its box
+    is left, top, width, height [px], or 1.75 standard deviations around x, y where it has cxx, cyy,
+    the covariance of its events; that is half of a bar, as in the boxes of our objects.
     """
     table = found_at(tracker, t_us)
     names = table.dtype.names or ()
@@ -282,7 +285,18 @@ def snapshot_at(tracker: Any, t_us: int) -> Snapshot:
     if {"pxx", "pxy", "pyy"} <= set(stated.dtype.names or ()):
         errors = _columns(stated, "pxx", "pxy", "pxy", "pyy").reshape(-1, 2, 2)
         covariances = errors if np.all(np.isfinite(errors)) else None
-    return Snapshot(table["id"].astype(np.int64), positions, velocities, covariances)
+    boxes = _boxes(table, positions)
+    return Snapshot(table["id"].astype(np.int64), positions, velocities, covariances, boxes)
+
+
+def _boxes(table: NDArray[np.void], positions: NDArray[np.float64]) -> NDArray[np.float64] | None:
+    names = set(table.dtype.names or ())
+    if {"left", "top", "width", "height"} <= names:
+        return _columns(table, "left", "top", "width", "height")
+    if not {"cxx", "cyy"} <= names:
+        return None
+    half = _HALF_SIGMAS * np.sqrt(_columns(table, "cxx", "cyy"))
+    return np.hstack([positions - half, 2 * half])
 
 
 def _groups(tracker: Any) -> bool:
