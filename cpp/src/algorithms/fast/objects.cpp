@@ -18,6 +18,8 @@ float mass_of(const TrackState& state) noexcept { return 1 + state.mass; }
 
 // Time for which two objects keep their relative position until it is certain that they are one.
 constexpr float kHold_s = 0.4F;
+// The same for two that have one edge each.
+constexpr float kEdges_s = 0.02F;
 
 // Whether two tracks lie as close together as parts of one object.
 bool touch(const Track& a, const Track& b, Stamp now) noexcept {
@@ -328,8 +330,9 @@ std::size_t Objects::grow_component(const Tracks& tracks, std::size_t first) noe
 
 // JOIN: two objects that touch and keep their relative position over a way are one thing, which is
 // too large or too sparse for one gate. Two that begin together beside each other are presumed to
-// be one from the start: what appears or starts to move fires at all its edges. Both keep their ids
-// for when they part.
+// be one from the start: what appears or starts to move fires at all its edges. Two that show one
+// edge each, of opposite polarity, are the two sides of one thing: an object of its own has both.
+// All keep their ids for when they part.
 void Objects::join(const Tracks& tracks, float dt_s) noexcept {
   constexpr float kApart_s = 0.04F;
   inherit();
@@ -347,7 +350,8 @@ void Objects::join(const Tracks& tracks, float dt_s) noexcept {
     } else if (keeps_bond(tracks, i)) {
       bond.hold_s += dt_s;
       bond.apart_s = 0;
-      bond.joined = bond.joined || are_one(tracks, bond);
+      if (have_opposite_edges(tracks, bond.lead, bond.other_lead)) bond.edges_s += dt_s;
+      bond.joined = bond.joined || are_one(tracks, bond) || bond.edges_s >= kEdges_s;
     } else {
       bond.apart_s += dt_s;
       if (bond.joined && bond.apart_s < strictness(bond) * kApart_s) continue;
@@ -365,7 +369,7 @@ bool Objects::began_together(const Object& younger, const Object& older) const n
 
 // Two that are only presumed to be one part sooner.
 float Objects::strictness(const Bond& bond) noexcept {
-  return bond.joined && bond.hold_s < kHold_s ? 0.5F : 1;
+  return bond.joined && bond.hold_s < kHold_s && bond.edges_s < kEdges_s ? 0.5F : 1;
 }
 
 // An object whose tracks have ended goes on with those of an object that is a part of it.

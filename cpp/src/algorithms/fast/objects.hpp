@@ -3,10 +3,11 @@
 // tracks are grouped every 5 ms. LOST: a new track continues the object that must have reappeared
 // there, else it begins one. ADOPT: what begins at a large object is a part of it. LEAVE: parts
 // that stay apart from the others become an object of their own. JOIN: objects that touch and move
-// as one for long, or begin together, are one until they do not move as one. NOISE: an object is
-// shown once its tracks fire more than the noise around them explains. QUIET: an object without
-// events is not shown. The layer reads the engine and changes nothing in it. One thread, at the
-// tick. O(n^2) of cheap steps in n tracks; allocates in the constructor only. Source: own design.
+// as one for long, begin together, or have one edge each are one until they do not move as one.
+// NOISE: an object is shown once its tracks fire more than the noise around them explains. QUIET:
+// an object without events is not shown. The layer reads the engine and changes nothing in it. One
+// thread, at the tick. O(n^2) of cheap steps in n tracks; allocates in the constructor only.
+// Source: own design.
 #pragma once
 
 #include <algorithm>
@@ -112,6 +113,7 @@ class Objects {
     Point offset{};       // px, from the one to the other
     Point start{};        // where the other was
     float hold_s = 0;     // time for which they have kept the offset
+    float edges_s = 0;    // time of it in which each had the edge alone that the other lacks
     float apart_s = 0;    // once joined: time for which they have not
     bool joined = false;  // it is a part of the other
   };

@@ -21,6 +21,7 @@ constexpr float kNeighbour_px = 35;
 
 constexpr float kOutline_s = 0.05F;         // age from which the outline of a track is known
 constexpr std::uint32_t kKnownEvents = 20;  // the mean polarity of fewer is random
+constexpr float kOneSided = 0.6F;           // mean polarity from which one edge is missing
 
 bool outlines_meet(const Track& a, const Track& b, float dx, float dy, float distance_px) noexcept {
   const float ux = distance_px > 0 ? dx / distance_px : 1;
@@ -300,8 +301,16 @@ void Pairs::compare(Tracks& tracks, std::size_t keeper, std::size_t other,
 // ---- merging ----
 
 bool has_both_edges(const Tracks& tracks, Tracks::Slot slot) noexcept {
-  constexpr float kOneSided = 0.6F;
   return tracks[slot].events >= kKnownEvents && std::abs(tracks.contour(slot).polarity) < kOneSided;
+}
+
+bool have_opposite_edges(const Tracks& tracks, Tracks::Slot a, Tracks::Slot b) noexcept {
+  const auto edge_of = [&](Tracks::Slot slot) {
+    const float polarity = tracks.contour(slot).polarity;
+    if (tracks[slot].events < kKnownEvents || std::abs(polarity) < kOneSided) return 0;
+    return polarity > 0 ? 1 : -1;
+  };
+  return edge_of(a) * edge_of(b) < 0;
 }
 
 bool are_one(Tracks& tracks, const Candidate& pair, float dt_s) noexcept {

@@ -64,6 +64,9 @@ class Pairs {
 // Whether a track has a leading and a trailing edge, which fire with opposite polarities.
 bool has_both_edges(const Tracks& tracks, Tracks::Slot slot) noexcept;
 
+// Whether the one has a leading edge alone and the other a trailing one.
+bool have_opposite_edges(const Tracks& tracks, Tracks::Slot a, Tracks::Slot b) noexcept;
+
 // Whether the pair has kept its relative position for long enough. Updates the keeper's MergeState.
 bool are_one(Tracks& tracks, const Candidate& pair, float dt_s) noexcept;
 

@@ -234,6 +234,19 @@ TEST(Objects, TwoThatBeginTogetherAreOneUntilTheyMoveApart) {
   EXPECT_EQ(pair.id_of(pair.second), 1);
 }
 
+TEST(Objects, TwoThatHaveOneEdgeEachAreOne) {
+  const auto id_after = [](float polarity, float other_polarity) {
+    Pair pair;
+    pair.tracks.contour(pair.first).polarity = polarity;
+    pair.tracks.contour(pair.second).polarity = other_polarity;
+    pair.wait(40'000);
+    return pair.id_of(pair.second);
+  };
+  EXPECT_EQ(id_after(0.7F, -0.7F), 0);
+  EXPECT_EQ(id_after(0.7F, 0.7F), 1);
+  EXPECT_EQ(id_after(0.7F, -0.5F), 1);  // an object of its own
+}
+
 TEST(Objects, OneThatNoLongerMovesAlongIsItselfAgain) {
   Pair pair;
   pair.move(50, 50);
