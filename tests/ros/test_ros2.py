@@ -22,7 +22,7 @@ OK, WARN, ERROR = range(3)
 
 def test_the_keys_of_the_stats_are_those_of_python(peer: Peer) -> None:
     asap = pytest.importorskip("asap", reason="no wheel of asap: set ASAP_DIST")
-    own = {"messages", "failures", "feedback", "last_second"}
+    own = {"messages", "triggers", "failures", "feedback", "last_second"}
     with AsapNode():
         peer.wait_for_node()
         stats = peer.next_stats()

@@ -15,7 +15,7 @@ from door import mono, wait
 from event_camera_msgs.msg import EventPacket
 from ros2_door import DRIVERS_QOS, PRELOAD, AsapNode, Peer, program
 
-README = (Path(__file__).parents[2] / "cpp/ros/ros2/README.md").read_text()
+README = (Path(__file__).parents[2] / "cpp/ros/README.md").read_text()
 
 
 def test_the_command_starts_the_node_on_the_drivers_topic(make_peer: Callable[..., Peer]) -> None:
