@@ -26,8 +26,8 @@ std::uint32_t is_on(const Event& event) noexcept { return event.p > 0 ? 1 : 0; }
 
 // A format has limits and functions. put() writes an event. Where the bytes count time from event
 // to event, it lies less than kReach after state.t, to which mark() has advanced it step by step: a
-// gap of kMaxGap is worth its bytes. kRowsUp: row 0 is the bottom one. The layouts stand in the
-// decoders' headers.
+// gap of kMaxGap is worth its bytes. kMaxAddress has no zero bit below its ones. kRowsUp: row 0 is
+// the bottom one. The layouts stand in the decoders' headers.
 
 struct Limits {
   static constexpr std::uint32_t kMaxAddress = std::numeric_limits<std::uint16_t>::max();
@@ -227,16 +227,16 @@ Progress Encoder::encode_as(std::span<const Event> events, std::span<std::byte> 
   const Event* event = events.data();
   const Event* const events_end = event + events.size();
   State state = state_;
+  std::int64_t earliest = std::max(state.last_t, Format::kMinTime);
   while (event != events_end && end - to >= static_cast<std::ptrdiff_t>(kMaxPerEvent)) {
-    bool held = event->t >= state.last_t && event->t >= Format::kMinTime &&
-                event->t <= Format::kMaxTime && event->x <= Format::kMaxAddress &&
-                event->y <= Format::kMaxAddress;
-    if constexpr (CountsTime<Format>) held = held && event->t - state.t <= Format::kMaxGap;
+    const bool held = event->t >= earliest && event->t <= Format::kMaxTime &&
+                      (event->x | event->y) <= static_cast<int>(Format::kMaxAddress);
     if (!held) [[unlikely]] {
       refuse<Format>(State(state), *event);  // a copy: state stays in registers
     }
     if constexpr (CountsTime<Format>) {
       if (event->t - state.t >= Format::kReach) [[unlikely]] {
+        if (event->t - state.t > Format::kMaxGap) refuse<Format>(State(state), *event);
         to = Format::mark(state, to);
         continue;
       }
@@ -246,7 +246,7 @@ Progress Encoder::encode_as(std::span<const Event> events, std::span<std::byte> 
       stored.y = static_cast<std::uint16_t>(config_.height - 1 - stored.y);
     }
     to = Format::put(state, stored, to);
-    state.last_t = event->t;
+    state.last_t = earliest = event->t;
     ++state.events;
     ++event;
   }
