@@ -79,28 +79,16 @@ def test_the_messages_are_those_of_the_published_packages(make_peer: Callable[..
     assert message.events[0].ts.to_nsec() == 3_000_001_000
 
 
-def test_bad_messages_are_counted_by_reason(arrays: Peer) -> None:
+def test_torn_messages_are_refused(arrays: Peer) -> None:
     good = array(np.arange(10))
     with AsapNode(latency_ms=200) as node:
         arrays.wait_for_node()
-        arrays.send_raw(good)
-        for message in (b"", good[:20], good[:-1], good + b"\0", b"\xff" * 100):
+        for message in (good, b"", good[:20], good[:-1], good + b"\0", b"\xff" * 100):
             arrays.send_raw(message)
-        arrays.send_raw(array([15], width=0))
-        arrays.send_raw(array([20, 15, 30]))  # unsorted
-        arrays.send_raw(array([40, 41], x=[639, 640]))  # outside
-        arrays.send_raw(array([50], width=320, height=240))  # another camera's
-        arrays.send_raw(array([60]))
-        wait(lambda: arrays.next_stats()["messages"]["received"] == 11, "all messages")
-        stats = arrays.settled()
-        code, said = node.interrupt()
-    messages = stats["messages"]
-    assert (messages["refused_size"], messages["refused_geometry"]) == (5, 2)
-    assert stats["ledger"]["received"] == 16
-    assert stats["rejected"]["nonmonotonic"] == stats["rejected"]["out_of_bounds"] == 1
-    assert len(arrays.array_events) == stats["ledger"]["delivered"] == 14
-    assert code == 0
-    assert 1 <= said.count("message refused") <= 10  # once a second
+        wait(lambda: arrays.next_stats()["messages"]["received"] == 6, "all messages")
+        assert arrays.settled()["messages"]["refused_size"] == 5
+        assert node.interrupt()[0] == 0
+    assert len(arrays.array_events) == 10
 
 
 def test_another_type_is_refused(peer: Peer) -> None:
@@ -180,24 +168,6 @@ def test_feedback_by_the_service_sends_the_next_package(arrays: Peer, service: t
         assert all(taken)
         assert stats["feedback"]["taken"] == stats["packages"]["count"] == len(taken)
     call.close()
-
-
-def test_a_driver_that_begins_anew_with_another_sensor(peer: Peer) -> None:
-    def large() -> None:
-        peer.send(mono(np.arange(50), x=1279, y=719), width=1280, height=720)
-
-    with AsapNode(encoding="mono", latency_ms=200) as node:
-        peer.wait_for_node()
-        peer.send(mono(np.arange(100)))
-        wait(lambda: len(peer.events) == 100, "the old driver's events")
-        large()
-        wait(lambda: peer.next_stats()["messages"]["refused_geometry"] == 1, "a stray message")
-        large()
-        large()  # the other one has been silent for a second
-        wait(lambda: len(peer.events) > 100, "the new driver's events")
-        _, said = node.interrupt()
-    assert said.count("run ended: received 100 = delivered 100") == 1
-    assert ledger_in(said)["received"] in (50, 100)
 
 
 @needs_bag

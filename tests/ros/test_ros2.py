@@ -286,26 +286,20 @@ def test_a_driver_with_another_sensor(make_peer: Callable[..., Peer]) -> None:
     assert [p.width for p in consumer.packets] == sorted(p.width for p in consumer.packets)
 
 
-def test_a_stray_message_costs_the_camera_one_second(make_peer: Callable[..., Peer]) -> None:
+def test_both_of_two_cameras_are_named(make_peer: Callable[..., Peer]) -> None:
     camera, stray = make_peer(name="camera"), make_peer(consume=False, name="stray")
     with AsapNode(encoding="mono", latency_ms=200) as node:
         camera.wait_for_node()
         stray.wait_for_node(consumers=False)
-        stray.send(mono(np.arange(10)), width=320, height=240)
-        wait(lambda: len(camera.events) == 10, "the stray events")
-        start, late = time.monotonic(), 0
-        for i in range(350):
-            late += time.monotonic() - start > 1.0
+        for i in range(150):
             camera.send(mono(np.arange(10) + i * 10_000))
-            if i > 200:
-                stray.send(mono(np.arange(10) + i * 10_000), width=320, height=240)
+            stray.send(mono(np.arange(10) + i * 10_000), width=320, height=240)
             time.sleep(0.01)
         camera.diagnosed(WARN, "two cameras: /camera is heard, /stray is refused")
         stats = camera.settled()
         _, said = node.interrupt()
-    assert 10 * late <= stats["ledger"]["received"] <= 10 * (late + 5)
-    assert stats["messages"]["refused_publisher"] >= 149
-    assert "message refused: publisher (from /camera" in said
+    assert stats["ledger"]["received"] == 1500
+    assert stats["messages"]["refused_publisher"] == 150
     assert "message refused: publisher (from /stray" in said
 
 
