@@ -1,7 +1,7 @@
 """Filters, corners, surfaces and slices, each beside those of other libraries, on the same events.
 
-Every rule is the library's own, with its defaults and the same time of 2 ms or slice of 10 ms. Each
-gets the events in its own container, made before.
+Every rule is the library's own, with its defaults and the same time of 2 ms, window of 9 x 9 px or
+slice of 10 ms. Each gets the events in its own container, made before.
 
 pytest tests/bench/test_beside_others_bench.py --benchmark-only --benchmark-columns=min
 """
@@ -18,6 +18,10 @@ SIZE = (SCENE.width, SCENE.height)
 EVENTS = SCENE.events()
 FILTER_US = 2000
 SLICE_US = 10_000
+PARAMETERS = {
+    "BackgroundActivityFilter": {"window_us": FILTER_US},
+    "SpeedInvariantTimeSurface": {"radius": 4},  # 9 x 9 px, as that of dv-processing
+}
 
 
 @pytest.fixture(scope="module")
@@ -55,7 +59,7 @@ def run(benchmark, group, call, rounds=5):
 )
 def test_asap(benchmark, name):
     made = getattr(asap, name)
-    parameters = {"window_us": FILTER_US} if name == "BackgroundActivityFilter" else {}
+    parameters = PARAMETERS.get(name, {})
     run(benchmark, name, lambda: made(*SIZE, **parameters).process(EVENTS))
 
 
