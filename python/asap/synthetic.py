@@ -46,7 +46,7 @@ def joined(arrays: Sequence[Events]) -> Events:
 
 
 class SyntheticStream:
-    """What the synthetic streams share: each can be read again and again.
+    """The common part of the synthetic streams: each can be read again and again.
 
     Iterating yields fresh arrays in ``EVENT_DTYPE``, of shape (n,) with n a little above 2**16 (the
     last one may be shorter), in time order. Every ``iter()`` starts anew with the same events. The

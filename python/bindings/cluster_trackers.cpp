@@ -71,7 +71,7 @@ weight : float
 min_size : int
     minN, events from which a cluster is listed, and probed beyond.
 seed : int
-    Of the probes.
+    Seed of the probes.
 
 $refuses
 
@@ -190,7 +190,7 @@ pxx, pxy, pyy : float64, px^2, covariance of the error of x and y, by the Kalman
 A new array, not changed by later events. Clusters that have stopped or are hidden are left out; they keep
 their id for a while.
 )",
-                R"(What `clusters` would be at t_us, us, if nothing came until then.
+                R"(Predicts `clusters` at t_us, us, as if no event came until then.
 
 Asking changes nothing: events of before t_us may follow. Positions are predicted, and clusters without
 events are left out in time. A t_us of the past is the latest time.
@@ -229,7 +229,7 @@ independent : float64, 0 to 1, whether it moves unlike the background; -1: not k
             return moved_to_array(self.objects_at(t_us));
           },
           py::arg("t_us").noconvert(),
-          R"(What `objects` would be at t_us, us, if nothing came until then; see `clusters_at`.)")
+          R"(Predicts `objects` at t_us, us, as if no event came until then; see `clusters_at`.)")
       .def("members", &members, py::arg("id").noconvert(),
            R"(The ids of the clusters that are parts of an object.
 

@@ -88,7 +88,7 @@ patch. The event is a corner if there are 25 and the Harris score of the patch e
 $sensor; those within
     4 px of the left and upper border, or 3 px of the others, are never corners.
 threshold : float
-    Of the score.
+    Least score of a corner.
 
 $refuses
 
@@ -114,7 +114,7 @@ $sensor; those within
 filter_us : int
     us, 0 to 500 000 000.
 threshold : float
-    Of the score.
+    Least score of a corner.
 
 $refuses
 

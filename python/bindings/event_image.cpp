@@ -15,8 +15,8 @@ namespace {
 
 constexpr const char* kImageDoc = R"(Images of the events, one per so many events or per period.
 
-What convolutional networks take. By count an image ends with its last event. By period it holds the timestamps
-from one multiple of the period to the next; a period without events gives no image.
+They are the input of convolutional networks. By count an image ends with its last event. By period it holds
+the timestamps from one multiple of the period to the next; a period without events gives no image.
 
 $sensor.
 count : int

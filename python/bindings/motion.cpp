@@ -57,8 +57,8 @@ constexpr const char* kCameraDoc = R"(The motion of the background, or None: unk
 
 A row with the fields t (int64, us: it is that of the 15 ms before), vx, vy (float64, px/s, of the background at
 the middle of the frame), turn (rad/s, from x to the right towards y downwards), zoom (1/s, growth of the
-picture) and covariance (float64, 4 x 4), of the error of these four by the scatter of the flow. What is common to
-all flow, such as edges too slow for `window_us`, is not in it. At (x, y) the background moves with
+picture) and covariance (float64, 4 x 4), of the error of these four by the scatter of the flow. An error
+common to all flow, such as that of edges too slow for `window_us`, is not in it. At (x, y) the background moves with
 vx - turn (y - cy) + zoom (x - cx) and vy + turn (x - cx) + zoom (y - cy), (cx, cy) the middle of the frame.
 )";
 

@@ -18,7 +18,7 @@ Fed chunk by chunk; notebooks/theory.md, section 9.
 Parameters
 ----------
 cost : LinearCost
-    What the algorithm costs.
+    The simulated algorithm.
 latency_us : float
     The latency bound, us.
 execution : {"anytime", "whole"}

@@ -137,7 +137,7 @@ prefer : str
 Attributes
 ----------
 alpha_us, beta_ns : float
-    What a package and an event cost at present, as measured.
+    Present cost of a package and of an event, as measured.
 
 Raises
 ------
@@ -159,7 +159,7 @@ Examples
   bind_scheme<DeadBeat>(m, "DeadBeat", R"(The simplest scheme that keeps a latency bound.
 
 Every package takes all that waits and is planned to last half the bound at most, so nothing that waits
-is older than that. What does not fit is thinned evenly. Settles in one package. `Deadline` keeps more
+is older than that. The rest is thinned evenly. Settles in one package. `Deadline` keeps more
 of a short rush.
 
 Parameters
@@ -177,7 +177,7 @@ min_interval_ms : float
 Attributes
 ----------
 alpha_us, beta_ns : float
-    What a package and an event cost at present, as measured.
+    Present cost of a package and of an event, as measured.
 
 Raises
 ------

@@ -402,8 +402,8 @@ class Camera:
 class SoftwareCamera(Camera):
     """A camera without hardware: a process that plays a recording in real time.
 
-    It begins when it is first read, and its stamps with 0. What is not read in time is lost in
-    packets and counted, as a driver does; it ends with the recording.
+    It begins when it is first read, and its timestamps with 0. Packets that are not read in time
+    are lost and counted, as by a driver; it ends with the recording.
 
     Parameters
     ----------

@@ -58,7 +58,7 @@ def as_events(
         * a list of several of these, one after the other;
         * None or something empty: no events.
     order
-        What the columns are, for sources without names: an arrangement of ``t``, ``x``, ``y`` and
+        Order of the columns, for sources without names: an arrangement of ``t``, ``x``, ``y`` and
         ``p``, such as ``"txyp"`` or ``"yxt"`` (without ``p`` every event is ON).
     time_unit
         Unit of numeric times: ``"s"``, ``"ms"``, ``"us"`` or ``"ns"``. Times are rounded to

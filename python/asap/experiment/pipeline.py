@@ -31,8 +31,8 @@ class Pipeline:
 
     One thread at a time pushes and is never blocked. One thread works: in a loop over the pipeline,
     whose body is the measured work, or in `run`, if the pipeline has an algorithm. An event's age
-    counts from its push, or from the arrival time given with it, not from its stamp. Leaving the
-    ``with`` block stops the pipeline.
+    counts from its push, or from the arrival time given with it, not from its timestamp. Leaving
+    the ``with`` block stops the pipeline.
 
     At the end of the interpreter all pipelines are stopped. In a forked process every method of a
     pipeline made before raises RuntimeError.
@@ -54,16 +54,17 @@ class Pipeline:
         Size of the ring, events. Default: at least 2**20. MemoryError if that much memory, 16 bytes
         an event, cannot be had.
     when_full : {"thin", "keep_oldest", "keep_newest", "block"}
-        What gives way when events come faster than they leave the ring. "thin": beyond three
-        quarters, the more the ring fills the fewer events get in, by chance, evenly over a push of
-        any size; the others count as discarded. "keep_oldest": what does not fit is dropped.
-        "keep_newest": finding the ring full, the consumer drops the older half. "block": push waits
-        for room, which another thread has to make; only for sources that can wait, such as files.
+        Which events are lost when events come faster than they leave the ring. "thin": above three
+        quarters of the capacity, the fuller the ring, the fewer events enter, at random and evenly
+        over a push; the others count as discarded. "keep_oldest": events that do not fit.
+        "keep_newest": the older half, dropped by the consumer that finds the ring full. "block":
+        none, push waits for room, which another thread has to make; only for sources that can wait,
+        such as files.
     reorder_tolerance_us : int
-        A stamp that goes back by at most this much, us, is set to the one before and not rejected.
+        A timestamp that goes back by at most this much, us, is set to the one before, not rejected.
     warmup_discard_us : int
-        Events whose stamp lies less than this, us, after the first one are dropped and counted as
-        `before_start`: what a camera sends first may be left over from its run before.
+        Events less than this, us, after the first one are dropped and counted as `before_start`: a
+        camera may first send events of its run before.
     telemetry : path, optional
         A CSV file for ``asap monitor``: a row a package with the columns of `run.packages`, the
         bound and the ledger, written by a thread of its own. Rows that the disk is too slow for are

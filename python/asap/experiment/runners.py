@@ -85,9 +85,9 @@ def simulate(
     width, height : int, optional
         Sensor, px. Default: from the file; a side that is not known is not checked.
     start, stop : float, optional
-        Of a path: the events from `start` until before `stop`, s from the first event.
+        Read a path from `start` until before `stop`, s from the first event.
     on_bad : {"drop", "clamp", "raise"}
-        What happens to bad events; dropped ones are counted by reason.
+        How bad events are treated; dropped ones are counted by reason.
     seed : int
         Seed of the gamma filter.
     capacity : int, optional

@@ -30,7 +30,7 @@ class Tracks:
         A `ClusterTracker`, or an instance with process(events) and ``.objects`` or ``.clusters``, a
         structured array with the fields id, x, y and, where it has them, vx, vy and size.
     every_ms : float, optional
-        Time of the events between two notes, ms. Default: after every package with a new stamp.
+        Time of the events between two notes, ms. Default: after every package with a new timestamp.
 
     Attributes
     ----------

@@ -51,8 +51,8 @@ def check(
     Raises
     ------
     UnsupportedFormat, CorruptFile, ValueError, OSError, RuntimeError, TypeError
-        As in `read` and `as_events`: nothing can be read. What can be read in part is inspected,
-        and the rest is a finding; so is a file that ends before its first event.
+        As in `read` and `as_events`: nothing can be read. The readable part of a damaged
+        file is inspected, and the rest is a finding; so is a file that ends before its first event.
 
     Examples
     --------

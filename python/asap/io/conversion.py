@@ -57,7 +57,7 @@ def convert(
     start: float | None = None,
     stop: float | None = None,
 ) -> int:
-    """Write a recording in another format; the stamps stay as they are, but for clock resets.
+    """Write a recording in another format; timestamps stay as they are, but for clock resets.
 
     Memory stays flat, and an error leaves no half file: an older one of this name stays.
 
@@ -79,7 +79,7 @@ def convert(
         Sensor, px. Default: from the file. Event Stream and AEDAT 4 need them; ``npy`` and ``csv``
         have no place for them.
     start, stop : float, optional
-        Of a file: write the events from `start` until before `stop`, in s from the first event.
+        Write a file's events from `start` until before `stop`, in s from the first event.
 
     Returns
     -------
@@ -89,16 +89,16 @@ def convert(
     Raises
     ------
     ValueError
-        A bad argument; a stamp that goes back, or an event that the format cannot hold, with its
-        number.
+        A bad argument; a timestamp that goes back, or an event that the format cannot hold, with
+        its number.
     UnsupportedFormat, CorruptFile, NoGoodEvent, OSError, RuntimeError
         As in `read`.
 
     Warns
     -----
     UserWarning
-        What is not in the file that was written: events that were rejected, external triggers,
-        and jumps of the clock, after which time continues 1 us after the last event.
+        Losses of the written file: events that were rejected, external triggers, and jumps of
+        the clock, after which time continues 1 us after the last event.
 
     Examples
     --------

@@ -200,8 +200,8 @@ class Recording:
         """External triggers seen so far in the latest iteration; only native formats have them.
 
         Fields ``t`` in us, as the file states it, ``id`` of the input and ``value``: 1 = rising
-        edge or 0. The first 2^20 at least; `trigger_count` counts all. Of a window of time: those
-        within it.
+        edge or 0. The first 2^20 at least; `trigger_count` counts all. With a window of time:
+        those within it.
         """
         seen = np.concatenate([np.empty(0, _core.TRIGGER_DTYPE), *self._losses.trigger_arrays])
         if self._window_us is None:
@@ -376,13 +376,13 @@ def read(
         Size of the sensor in px, where the file does not state it. Without it pixels are not
         checked.
     order
-        What the columns are, for files without names: an arrangement of ``t``, ``x``, ``y`` and
+        Order of the columns, for files without names: an arrangement of ``t``, ``x``, ``y`` and
         ``p`` such as ``"yxt"`` (without ``p`` every event is ON), and ``-`` for a column that is
         skipped. Text: the header line, else ``"txyp"``; a matrix: what its values allow.
     time_unit
         ``"s"``, ``"ms"``, ``"us"`` or ``"ns"``. None decides: for text by the header or by a
-        decimal point in the times, for arrays by their type (floating: seconds). Whole numbers that
-        are stored as floats could be both: then it has to be said.
+        decimal point in the times, for arrays by their type (floating: seconds). Whole numbers
+        stored as floats could be both: give the unit.
     on_bad
         Events out of order, outside the sensor or unreadable: ``"drop"`` and count, ``"clamp"``
         where possible (a position to the nearest pixel), or ``"raise"``. Where timestamps do

@@ -98,14 +98,14 @@ class Comparison(Result, Mapping[str, Row]):
     Attributes
     ----------
     rows : list of Row
-        Best score first; of equal scores the lower p99 latency.
+        Best score first, then the lower p99 latency.
     oracle : float
         OB(L), a bound in fluid: no policy that does not know the random part of the cost finishes
         more events in time, whatever it discards and however well it knows the arrivals.
     runs : dict of str to Run
         By label, in the order of the rows.
     source : dict
-        What was read: path, format, width, height, events, duration_s (after `speed`).
+        The source: path, format, width, height, events, duration_s (after `speed`).
     name : str
         The recording or profile.
     cost : LinearCost
@@ -115,7 +115,7 @@ class Comparison(Result, Mapping[str, Row]):
     execution : str
         How the algorithm, also the oracle's, took its packages: "whole" or "anytime".
     speed : float
-        By which the stamps were compressed.
+        Factor by which time was compressed.
     seed : int
         Seed of the gamma filters.
     """

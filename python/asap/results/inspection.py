@@ -31,14 +31,14 @@ class Finding:
     verdict : str
         ``"ok"``, ``"note"`` (worth knowing; ASAP copes) or ``"wrong"``.
     detail : str
-        What was measured, in words.
+        The measurement, in words.
     remedy : str
-        What helps; empty where nothing needs help.
+        The remedy; empty where none is needed.
     event : int or None
         Number of the first such event in the source, from 0. Records that no event can hold have
         no number.
     t_us : int or None
-        Its stamp as the source has it.
+        Its timestamp as the source has it.
     byte : int or None
         Where it is in the file, if the format tells.
     """

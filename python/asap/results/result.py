@@ -63,14 +63,14 @@ def flat(value: Any, name: str = "") -> dict[str, Any]:
 
 
 def table(runs: Iterable[Any]) -> list[dict[str, Any]]:
-    """Return a flat row for each run: what `summary` holds, as ``"latency_us.p99"``.
+    """Return a flat row for each run: the entries of `summary`, such as ``"latency_us.p99"``.
 
     ``pandas.DataFrame``, ``polars.DataFrame`` and ``csv.DictWriter`` take it.
 
     Parameters
     ----------
     runs : iterable of Run
-        Of `run`, `simulate`, `map` or `load_run`; inspections too.
+        Results of `run`, `simulate`, `map` or `load_run`; inspections too.
     """
     if isinstance(runs, (Result, Mapping)) or not isinstance(runs, Iterable):
         raise TypeError(_checks.named("runs", runs, "give a list of runs"))

@@ -71,7 +71,7 @@ LEDGER_FIELDS = tuple(field.name for field in fields(Ledger))
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Run(Result):
-    """What a run has left behind. It always pickles; an algorithm that cannot is replaced by None.
+    """Result of a run. It always pickles; an algorithm that cannot is replaced by None.
 
     Attributes
     ----------
@@ -92,27 +92,28 @@ class Run(Result):
     latency_bound_us : float
         The bound in force.
     source : dict
-        What was read: path, format, width, height, events (all that were received, bad ones too)
-        and duration_s, from the first good one to the last.
+        The source: path, format, width, height, events (all that were received, bad ones too) and
+        duration_s, from the first good one to the last.
     gap_us : int or None
         Longest time between two delivered events in a row of which at least one between was lost
         (discarded, stale or overflow), us; the first and the last event received count as
-        delivered. It is of the stamps divided by `speed`, not of processing times: 0 where no event
-        was lost, however long the camera was silent. None in a run saved before there was one.
+        delivered. It is of the timestamps divided by `speed`, not of processing times: 0 where no
+        event was lost, however long the camera was silent. None in a run that an earlier version
+        saved.
     clock_resets : int
         How often the sensor's clock jumped back by 1 s or more; time then continued 1 us later.
     lateness : LatencyHistogram or None
         In real time: how late the paced producer pushed, us, which is this machine's own jitter.
     slots : ndarray or None
-        In virtual time: one row per 1 ms of stamps that holds an event: slot (ms), received,
-        delivered (events), latency_max_us. Not saved.
+        In virtual time: one row per 1 ms of timestamps that holds an event: slot (ms),
+        received, delivered (events), latency_max_us. Not saved.
     kept_mask : ndarray of bool, shape (events,), or None
-        With keep_mask=True: of every event of the source, whether the algorithm got it;
+        With keep_mask=True: whether the algorithm got each event of the source;
         ``events[run.kept_mask]`` are the delivered ones, in order. Where the reader of a file has
-        dropped some, the events are those that `load` gives. Of equal events the first counts as
+        dropped some, the events are those that `load` gives. The first of equal events counts as
         kept. Not saved.
     learned : Cost or None
-        What the scheme had learned of the algorithm's cost by the end; None where it learns none.
+        The cost that the scheme had learned by the end; None where it learns none.
     execution : str
         How the algorithm took its packages: "whole" or "anytime".
     seed : int
