@@ -22,7 +22,7 @@ class _pybind11_type(type): ...
 # filter
 
 class GammaFilter(metaclass=_pybind11_type):
-    def __init__(self, *, seed: int = 0) -> None: ...
+    def __init__(self, *, seed: int = ...) -> None: ...
     def apply(self, events: _Events, gamma: float) -> _Events: ...
     def mask(self, events: _Events, gamma: float) -> NDArray[np.bool_]: ...
     @property
@@ -34,11 +34,11 @@ class Validator(metaclass=_pybind11_type):
     def __init__(
         self,
         *,
-        width: int = 0,
-        height: int = 0,
+        width: int = ...,
+        height: int = ...,
         on_bad: str = "drop",
-        reorder_tolerance_us: int = 0,
-        warmup_discard_us: int = 0,
+        reorder_tolerance_us: int = ...,
+        warmup_discard_us: int = ...,
     ) -> None: ...
     def check(self, events: _Events) -> _Events: ...
     def check_recorded(self, events: _Events) -> tuple[_Events, int]: ...
@@ -65,10 +65,10 @@ class Scheme(metaclass=_pybind11_type):
     def parameters(self) -> dict[str, float | None]: ...
 
 class FixedSize(Scheme):
-    def __init__(self, *, size: int = 1000) -> None: ...
+    def __init__(self, *, size: int = ...) -> None: ...
 
 class FixedTime(Scheme):
-    def __init__(self, *, period_ms: float = 1.0) -> None: ...
+    def __init__(self, *, period_ms: float = ...) -> None: ...
 
 class SingleEvent(Scheme):
     def __init__(self) -> None: ...
@@ -80,36 +80,36 @@ class Asap2020(Scheme):
     def __init__(
         self,
         *,
-        rate_bound: float = 5000000.0,
-        epsilon: float = 0.05,
-        first_size: int = 1000,
-        max_size: int = 50000,
-        min_size: int = 1,
+        rate_bound: float = ...,
+        epsilon: float = ...,
+        first_size: int = ...,
+        max_size: int = ...,
+        min_size: int = ...,
     ) -> None: ...
 
 class Asap2022(Scheme):
     def __init__(
         self,
         *,
-        min_processing_ms: float = 0.2,
-        max_processing_ms: float = 10.0,
-        min_size: int = 100,
-        max_size: int = 29700,
-        kappa: float = 1.0,
-        min_gamma: float = 0.1,
-        max_gamma: float = 1.0,
-        first_size: int = 1000,
+        min_processing_ms: float = ...,
+        max_processing_ms: float = ...,
+        min_size: int = ...,
+        max_size: int = ...,
+        kappa: float = ...,
+        min_gamma: float = ...,
+        max_gamma: float = ...,
+        first_size: int = ...,
     ) -> None: ...
 
 class Deadline(Scheme):
     def __init__(
         self,
         *,
-        latency_ms: float = 10.0,
-        overhead: float = 0.5,
-        min_interval_ms: float = 0.0,
-        first_alpha_us: float = 50.0,
-        first_beta_ns: float = 100.0,
+        latency_ms: float = ...,
+        overhead: float = ...,
+        min_interval_ms: float = ...,
+        first_alpha_us: float = ...,
+        first_beta_ns: float = ...,
         prefer: str = "balanced",
     ) -> None: ...
     @property
@@ -121,10 +121,10 @@ class DeadBeat(Scheme):
     def __init__(
         self,
         *,
-        latency_ms: float = 10.0,
-        knee: float = 33.0,
-        overhead: float = 0.25,
-        min_interval_ms: float = 0.0,
+        latency_ms: float = ...,
+        knee: float = ...,
+        overhead: float = ...,
+        min_interval_ms: float = ...,
     ) -> None: ...
     @property
     def alpha_us(self) -> float: ...
@@ -152,14 +152,14 @@ class Ledger(metaclass=_pybind11_type):
     def __init__(
         self,
         *,
-        received: int = 0,
-        rejected: int = 0,
-        filtered: int = 0,
-        discarded: int = 0,
-        stale: int = 0,
-        overflow: int = 0,
-        delivered: int = 0,
-        pending: int = 0,
+        received: int = ...,
+        rejected: int = ...,
+        filtered: int = ...,
+        discarded: int = ...,
+        stale: int = ...,
+        overflow: int = ...,
+        delivered: int = ...,
+        pending: int = ...,
     ) -> None: ...
     @property
     def received(self) -> int: ...
@@ -213,8 +213,8 @@ class LinearCost(metaclass=_pybind11_type):
         alpha_us: float,
         beta_ns: float,
         *,
-        noise: float = 0.0,
-        seed: int = 0,
+        noise: float = ...,
+        seed: int = ...,
         drift: Sequence[float] | NDArray[np.float64] | None = None,
         outages_ms: Sequence[tuple[float, float]] | NDArray[np.float64] | None = None,
     ) -> None: ...
@@ -244,7 +244,7 @@ class Simulator(_Runner):
         cost: LinearCost | Callable[[int, float], float],
         config: RunConfig,
         algorithm: object = None,
-        speed: float = 1.0,
+        speed: float = ...,
     ) -> None: ...
     def feed(self, events: _Events) -> None: ...
     def finish(self) -> None: ...
@@ -260,7 +260,7 @@ class ReadAhead(metaclass=_pybind11_type):
     def cancel(self) -> None: ...
 
 class Replay(_Runner):
-    def __init__(self, scheme: Scheme, config: RunConfig, speed: float = 1.0) -> None: ...
+    def __init__(self, scheme: Scheme, config: RunConfig, speed: float = ...) -> None: ...
     @overload
     def run(
         self, events: _Events, algorithm: object, poll: Callable[[], object] | None = None
@@ -340,7 +340,7 @@ class PipelineStats(metaclass=_pybind11_type):
 class LivePipeline(metaclass=_pybind11_type):
     def __init__(self, scheme: Scheme, config: RunConfig) -> None: ...
     def push(self, events: _Events, arrival_time: float | None = None) -> bool: ...
-    def upstream_lost(self, marks: int, packets: int = 0) -> None: ...
+    def upstream_lost(self, marks: int, packets: int = ...) -> None: ...
     def next(self) -> LivePackage | None: ...
     def complete(self) -> None: ...
     def abandon(self) -> None: ...
@@ -376,9 +376,9 @@ class TextDecoder(metaclass=_pybind11_type):
         self,
         *,
         order: str = "txyp",
-        time_exponent: int = 6,
+        time_exponent: int = ...,
         clamp: bool = False,
-        first_offset: int = 0,
+        first_offset: int = ...,
     ) -> None: ...
     def decode(self, bytes: bytes) -> _Events: ...
     def finish(self) -> tuple[_Events, bool]: ...
@@ -392,7 +392,7 @@ class TextDecoder(metaclass=_pybind11_type):
     def noted(self) -> tuple[int, ...]: ...
 
 class Encoder(metaclass=_pybind11_type):
-    def __init__(self, encoding: str, *, width: int = 0, height: int = 0) -> None: ...
+    def __init__(self, encoding: str, *, width: int = ..., height: int = ...) -> None: ...
     def header(self) -> bytes: ...
     def encode_into(self, events: _Events, out: _Buffer) -> tuple[int, int]: ...
 
@@ -415,7 +415,7 @@ class RecordingDecoder(_Decoder):  # made by OpenedRecording.decoder
 
 class OpenedRecording(metaclass=_pybind11_type):
     def __init__(
-        self, path: os.PathLike[str], format: str, *, width: int = 0, height: int = 0
+        self, path: os.PathLike[str], format: str, *, width: int = ..., height: int = ...
     ) -> None: ...
     @property
     def start(self) -> int: ...
@@ -430,7 +430,7 @@ class OpenedRecording(metaclass=_pybind11_type):
     @property
     def has_entries(self) -> bool: ...
     def entry(self, piece: _Buffer) -> tuple[int, int] | None: ...
-    def decoder(self, first_offset: int, stream: int = 0) -> RecordingDecoder: ...
+    def decoder(self, first_offset: int, stream: int = ...) -> RecordingDecoder: ...
 
 RECORDING_FORMATS: tuple[str, ...]
 
@@ -456,7 +456,7 @@ def events_of_columns(
     y: NDArray[Any],
     p: NDArray[Any] | None,
     *,
-    us_per_unit: float = 1.0,
+    us_per_unit: float = ...,
     normalise: bool = True,
     out: _Events | None = None,
 ) -> _Events | None: ...
@@ -520,13 +520,13 @@ class ClusterTracker(_Algorithm):
         width: int,
         height: int,
         *,
-        slots: int = 128,
+        slots: int = ...,
         support: str = "reject",
-        support_window_ms: float = 5.0,
-        birth_radius_px: float = 18.0,
-        max_radius_px: float = 66.0,
-        confirm_events: float = 14.0,
-        coast_ms: float = 250.0,
+        support_window_ms: float = ...,
+        birth_radius_px: float = ...,
+        max_radius_px: float = ...,
+        confirm_events: float = ...,
+        coast_ms: float = ...,
     ) -> None: ...
     @overload
     def process(self, events: _Events, labels: Literal[True] = True) -> NDArray[np.int32]: ...
@@ -556,12 +556,12 @@ class PublishedClusterTracker(_Algorithm):
         width: int,
         height: int,
         *,
-        window: int = 800,
-        radius: float = 20.0,
-        probes: int = 1,
-        weight: float = 0.9,
-        min_size: int = 15,
-        seed: int = 0,
+        window: int = ...,
+        radius: float = ...,
+        probes: int = ...,
+        weight: float = ...,
+        min_size: int = ...,
+        seed: int = ...,
     ) -> None: ...
     @overload
     def process(self, events: _Events, labels: Literal[True] = True) -> NDArray[np.int32]: ...
@@ -579,7 +579,7 @@ def outline_of(x: float, y: float, cxx: float, cxy: float, cyy: float) -> np.voi
 # corners
 
 class BackgroundActivityFilter(_Algorithm):
-    def __init__(self, width: int, height: int, *, window_us: int = 5000) -> None: ...
+    def __init__(self, width: int, height: int, *, window_us: int = ...) -> None: ...
     def process(self, events: _Events) -> _Events: ...
 
 class EFast(_Algorithm):
@@ -587,16 +587,16 @@ class EFast(_Algorithm):
     def process(self, events: _Events) -> NDArray[np.bool_]: ...
 
 class ArcStar(_Algorithm):
-    def __init__(self, width: int, height: int, *, filter_us: int = 50000) -> None: ...
+    def __init__(self, width: int, height: int, *, filter_us: int = ...) -> None: ...
     def process(self, events: _Events) -> NDArray[np.bool_]: ...
 
 class EHarris(_Algorithm):
-    def __init__(self, width: int, height: int, *, threshold: float = 8.0) -> None: ...
+    def __init__(self, width: int, height: int, *, threshold: float = ...) -> None: ...
     def process(self, events: _Events) -> NDArray[np.bool_]: ...
 
 class FAHarris(_Algorithm):
     def __init__(
-        self, width: int, height: int, *, filter_us: int = 50000, threshold: float = 8.0
+        self, width: int, height: int, *, filter_us: int = ..., threshold: float = ...
     ) -> None: ...
     def process(self, events: _Events) -> NDArray[np.bool_]: ...
 
@@ -609,11 +609,11 @@ class FeatureTracker(_Algorithm):
         height: int,
         *,
         detector: str = "arc_star",
-        window: int = 200,
-        radius: int = 5,
-        min_neighbours: int = 1,
-        window_us: int = 40000,
-        velocity_us: int = 20000,
+        window: int = ...,
+        radius: int = ...,
+        min_neighbours: int = ...,
+        window_us: int = ...,
+        velocity_us: int = ...,
     ) -> None: ...
     @overload
     def process(self, events: _Events, labels: Literal[True] = True) -> NDArray[np.int32]: ...
@@ -633,7 +633,7 @@ class HotPixelMask(_Algorithm):
         height: int,
         *,
         pixels: Sequence[tuple[int, int]] = (),
-        learn_events: int = 100000,
+        learn_events: int = ...,
     ) -> None: ...
     def process(self, events: _Events) -> _Events: ...
     def learn(self, events: _Events) -> int: ...
@@ -641,13 +641,13 @@ class HotPixelMask(_Algorithm):
     def pixels(self) -> list[tuple[int, int]]: ...
 
 class ThresholdOrdinalSurface(_Algorithm):
-    def __init__(self, width: int, height: int, *, side: int = 7) -> None: ...
+    def __init__(self, width: int, height: int, *, side: int = ...) -> None: ...
     def process(self, events: _Events) -> None: ...
     @property
     def surface(self) -> NDArray[np.uint8]: ...
 
 class SpeedInvariantTimeSurface(_Algorithm):
-    def __init__(self, width: int, height: int, *, radius: int = 6) -> None: ...
+    def __init__(self, width: int, height: int, *, radius: int = ...) -> None: ...
     def process(self, events: _Events) -> None: ...
     @property
     def surface(self) -> NDArray[np.uint16]: ...
@@ -658,8 +658,8 @@ class PlaneFlow(_Algorithm):
         width: int,
         height: int,
         *,
-        window_us: int = 40000,
-        min_points: int = 7,
+        window_us: int = ...,
+        min_points: int = ...,
         refit: bool | None = None,
     ) -> None: ...
     def process(self, events: _Events) -> NDArray[np.float32]: ...
@@ -670,9 +670,9 @@ class MotionSegmenter(_Algorithm):
         width: int,
         height: int,
         *,
-        window_us: int = 60000,
-        least_px_s: float = 40.0,
-        least_share: float = 0.5,
+        window_us: int = ...,
+        least_px_s: float = ...,
+        least_share: float = ...,
     ) -> None: ...
     def process(self, events: _Events) -> None: ...
     @property
@@ -687,8 +687,8 @@ class EventImage(_Algorithm):
         width: int,
         height: int,
         *,
-        count: int = 0,
-        period_us: int = 0,
+        count: int = ...,
+        period_us: int = ...,
         channels: Sequence[str] = ("off", "on"),
     ) -> None: ...
     def process(self, events: _Events) -> tuple[NDArray[np.float32], NDArray[np.int64]]: ...

@@ -21,10 +21,10 @@ constexpr std::array<std::string_view, 3> kPreferences{"balanced", "events", "co
 constexpr double kMaxBudgetNs = 1e18;
 constexpr double kAll = std::numeric_limits<double>::infinity();
 constexpr double kCaution = 3.0;     // z: nothing stops a whole package that is late
-constexpr double kSlack = 0.5;       // bounds: z times the fixed cost is no more
+constexpr double kSlack = 0.5;       // bounds: the most that z fixed costs may take
 constexpr double kGrowth = 6.0;      // packages that sizes take from one event to thousands
 constexpr double kNewest = 0.125;    // share of a package's time whose events may fill the next
-constexpr double kReach = 2.5;       // fixed costs
+constexpr double kReach = 2.5;       // fixed costs: a shorter bound is planned as this long
 constexpr int kLengths = 8;          // that are tried, besides two that fit what waits
 constexpr int kRollOut = 3;          // packages that are played forward after this one
 constexpr double kHorizon = 6.0;     // bounds for which a rush goes on
@@ -33,7 +33,7 @@ constexpr double kCheap = 2.0;       // fixed costs: work that is not worth drop
 constexpr int kRounds = 3;           // until a package and what it can keep agree
 constexpr double kDearest = 50.0;    // fixed costs per bound from which on a gap has its full price
 constexpr std::uint64_t kFirst = 6;  // packages, until the first guess of the cost is forgotten
-constexpr std::uint64_t kTells = 8;  // packages, until the cost of events is told from the fixed
+constexpr std::uint64_t kTells = 8;  // packages, until fixed cost and cost per event are known
 
 // The price of a gap as long as the bound, as a share of the throughput.
 double gap_price(Prefer prefer) noexcept {
