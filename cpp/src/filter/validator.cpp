@@ -68,7 +68,7 @@ Validator::Validator(ValidatorConfig config)
   require_known(config.on_bad, OnBad::raise, "on_bad");
   require_time(config.reorder_tolerance >= 0us && config.reorder_tolerance < 1s,
                "reorder_tolerance", config.reorder_tolerance, TimeUnit::us,
-               "give 0 to 999999 us; a stamp that goes back by 1 s starts a new epoch");
+               "give 0 to 999999 us; a timestamp that goes back by 1 s starts a new epoch");
   require_time(config.warmup_discard >= 0us && config.warmup_discard <= 1000s, "warmup_discard",
                config.warmup_discard, TimeUnit::us, "give 0 to 1e9 us");
 }

@@ -410,7 +410,7 @@ class SoftwareCamera(Camera):
     source : path, Recording, array or iterable of arrays
         As in `asap.run`; the process holds all of it in memory.
     speed : float
-        2 plays twice as fast: stamps are divided by it.
+        2 plays twice as fast: timestamps are divided by it.
     loop : bool
         Begin again at the end; time goes on.
     drop : float

@@ -254,7 +254,7 @@ def _add_compare(verbs: Any) -> None:
         "--speed",
         type=float,
         default=1.0,
-        help="compress the stamps: 10 makes a quiet recording ten times as busy (default: 1)",
+        help="compress time: 10 makes a quiet recording ten times as busy (default: 1)",
     )
     add_report(verb)
 

@@ -51,7 +51,7 @@ def judge(raw: RawSource, bad: BadEvents, meters: Meters) -> Iterator[Finding]:
         bad.clock_resets,
         WRONG,
         _reset_words(bad),
-        "The stamps before and after are of two clocks: split the recording there. A run goes on "
+        "Timestamps before and after are of two clocks: split the recording there. A run goes on "
         "1 us after the last event.",
     )
     yield _gaps(meters.steps)
@@ -83,7 +83,7 @@ def _records(raw: RawSource, bad: BadEvents) -> Finding:
     count = losses.bad_record + bad.unreadable.count
     if count == 0:
         return Finding("bad_records", 0, OK, "")
-    detail = "records that are no events, or whose stamps are no times"
+    detail = "records that are no events, or whose timestamps are no times"
     remedy = "Are order and time unit right? Else the file is damaged there."
     if 2 * losses.between_pixels > count:
         detail = "x and y lie between pixels"
@@ -155,7 +155,7 @@ def _disorder_words(bad: BadEvents) -> str:
 def _sorting(bad: BadEvents, meters: Meters) -> str:
     """Name the tolerance that sorts events that are out of place; none repairs a wrong clock."""
     if not _is_disorder(bad) or bad.back_steps.count >= meters.events:
-        return "The stamps of these are wrong, not their places: no sorting repairs them."
+        return "The timestamps of these are wrong, not their places: no sorting repairs them."
     depth_us = bad.latest_us
     return (
         f"asap.read(..., reorder_tolerance_us={depth_us}) sorts them into their place, on the "

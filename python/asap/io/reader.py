@@ -173,7 +173,7 @@ def losses_of(rejected: dict[str, int], clock_resets: int) -> Iterator[str]:
     if clock_resets:
         yield (
             f"the clock jumped back {clock_resets} times by 1 s or more; the events after "
-            "it have other stamps than in the source: they go on 1 us after the last event before"
+            "it have other timestamps than in the source: they go on 1 us after the last event"
         )
 
 

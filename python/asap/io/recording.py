@@ -169,7 +169,7 @@ class Recording:
 
     @property
     def repaired(self) -> dict[str, int]:
-        """Events that were changed so far: polarity not 0 or 1, stamps lifted, pixels clamped."""
+        """Events changed so far: polarity not 0 or 1, timestamps lifted, pixels clamped."""
         kinds = dict(self._validator.repaired)
         kinds["clamped_positions"] += self._losses.clamped_positions
         kinds["sorted_stamps"] = self._losses.sorted_stamps

@@ -79,7 +79,7 @@ def _intervals(inspection: Inspection) -> str:
     below = np.cumsum(counts) / total
     half, most = (_units.duration(1 << int(np.searchsorted(below, q))) for q in (0.5, 0.99))
     return (
-        f"{_units.share(counts[0] / total)} on the stamp before, half below {half}, 99 % below "
+        f"{_units.share(counts[0] / total)} on the timestamp before, half below {half}, 99 % below "
         f"{most}, longest {_units.duration(inspection.longest_gap_us)}"
     )
 
