@@ -380,7 +380,7 @@ void Engine::split(Slot slot) noexcept {
 
 void Engine::halve(Slot slot) noexcept {
   const auto halves = halves_.find(owners_, tracks_, slot, clock_.now());
-  if (!distance_has_changed(tracks_.state(slot), halves)) return;
+  if (!have_parted(tracks_.state(slot), halves, settings_.gate.birth_radius_px)) return;
   const float share = share_of(halves[1], halves);
   const Slot child = begin_part(slot, halves[1], share);
   if (child == Tracks::kNone) return;

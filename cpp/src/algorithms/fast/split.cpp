@@ -137,10 +137,13 @@ std::span<const Part> HalfFinder::find(const OwnerGrid& owners, const Tracks& tr
   const auto [first, axis] = cut();
   const std::span<const OwnedCell> cells(owned_cells_);
   if (!has_both_edges(cells.first(first)) || !has_both_edges(cells.subspan(first))) return {};
-  if (lies_along(axis, cells.first(first)) && lies_along(axis, cells.subspan(first))) return {};
+  const Spread one = spread_of(axis, cells.first(first));
+  const Spread other = spread_of(axis, cells.subspan(first));
+  if (one.lies_along() && other.lies_along()) return {};
   cells_.clear();
   for (const OwnedCell& cell : owned_cells_) cells_.push_back(cell.index);
-  halves_ = {part_of(0, first), part_of(first, owned_cells_.size() - first)};
+  halves_ = {part_of(0, first, one.along),
+             part_of(first, owned_cells_.size() - first, other.along)};
   if (halves_[0].distance(halves_[1]) < kApart_px) return {};
   const Part* predicted = part_at_prediction(halves_, tracks[slot], tracks.state(slot), now);
   if (predicted != halves_.data()) std::swap(halves_[0], halves_[1]);
@@ -203,9 +206,7 @@ bool HalfFinder::has_both_edges(std::span<const OwnedCell> cells) const noexcept
          std::abs(sum) <= kOneSided * static_cast<float>(cells.size());
 }
 
-// The halves of a bar do, those of two objects do not.
-bool HalfFinder::lies_along(Point axis, std::span<const OwnedCell> cells) noexcept {
-  constexpr float kElongation = 2;  // ratio of variances
+HalfFinder::Spread HalfFinder::spread_of(Point axis, std::span<const OwnedCell> cells) noexcept {
   const auto count = static_cast<float>(cells.size());
   float along = 0;
   float across = 0;
@@ -219,11 +220,13 @@ bool HalfFinder::lies_along(Point axis, std::span<const OwnedCell> cells) noexce
     along2 += u * u / count;
     across2 += v * v / count;
   }
-  return along2 - along * along > kElongation * (across2 - across * across);
+  const float scale = length(axis.x, axis.y);
+  return {std::sqrt(std::max(0.0F, along2 - along * along)) / scale,
+          std::sqrt(std::max(0.0F, across2 - across * across)) / scale};
 }
 
-Part HalfFinder::part_of(std::size_t first, std::size_t count) const noexcept {
-  Part part{0, 0, std::span<const std::size_t>(cells_).subspan(first, count)};
+Part HalfFinder::part_of(std::size_t first, std::size_t count, float spread_px) const noexcept {
+  Part part{0, 0, std::span<const std::size_t>(cells_).subspan(first, count), spread_px};
   for (const OwnedCell& cell : std::span<const OwnedCell>(owned_cells_).subspan(first, count)) {
     part.x += cell.x / static_cast<float>(count);
     part.y += cell.y / static_cast<float>(count);
@@ -231,9 +234,10 @@ Part HalfFinder::part_of(std::size_t first, std::size_t count) const noexcept {
   return part;
 }
 
-bool distance_has_changed(TrackState& state, std::span<const Part> halves) noexcept {
+bool have_parted(TrackState& state, std::span<const Part> halves, float birth_radius_px) noexcept {
   constexpr float kMoved_px = 3;
   constexpr float kMovedShare = 0.2F;  // the ends of a rotating long object move less
+  constexpr float kApart = 2;          // sums of spreads; 1.7 for one that is evenly filled
   constexpr float kSameAxis = 0.85F;   // cosine
   constexpr float kWindow_s = 0.3F;
   if (halves.empty()) {
@@ -249,6 +253,8 @@ bool distance_has_changed(TrackState& state, std::span<const Part> halves) noexc
     state.halves = now;
     return false;
   }
+  const float spreads_px = halves[0].spread_px + halves[1].spread_px;
+  if (distance > 2 * birth_radius_px && distance < kApart * spreads_px) return false;
   if (std::abs(distance - before) < std::max(kMoved_px, kMovedShare * before)) return false;
   state.unresolved_s = 0;
   state.halves = {};

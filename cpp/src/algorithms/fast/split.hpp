@@ -29,6 +29,7 @@ struct Part {
   float x;  // px, mean of its cells
   float y;
   std::span<const std::size_t> cells;  // indices in the grid
+  float spread_px = 0;  // of a half: standard deviation of its cells along the long axis
 
   float distance(const Part& other) const noexcept { return length(x - other.x, y - other.y); }
 };
@@ -100,6 +101,17 @@ class HalfFinder {
     std::int8_t sign;
   };
 
+  struct Spread {  // px, standard deviations
+    float along;
+    float across;
+
+    // The halves of a bar do, those of two objects do not.
+    bool lies_along() const noexcept {
+      constexpr float kElongation = 2;  // ratio of variances
+      return along * along > kElongation * across * across;
+    }
+  };
+
   struct Cut {
     std::size_t first;  // cells in the first half
     Point axis;         // the long one, of any length
@@ -108,8 +120,8 @@ class HalfFinder {
   void gather(const OwnerGrid& owners, const Tracks& tracks, Tracks::Slot slot, Stamp now) noexcept;
   Cut cut() noexcept;
   bool has_both_edges(std::span<const OwnedCell> cells) const noexcept;
-  static bool lies_along(Point axis, std::span<const OwnedCell> cells) noexcept;
-  Part part_of(std::size_t first, std::size_t count) const noexcept;
+  static Spread spread_of(Point axis, std::span<const OwnedCell> cells) noexcept;
+  Part part_of(std::size_t first, std::size_t count, float spread_px) const noexcept;
 
   CellMap map_;
   std::vector<OwnedCell> owned_cells_;
@@ -118,8 +130,10 @@ class HalfFinder {
 };
 
 // Whether the distance of the halves, if any, has changed since they were first seen. If it has, or
-// if there are none, the track counts as resolved until it looks unresolved again.
-bool distance_has_changed(TrackState& state, std::span<const Part> halves) noexcept;
+// if there are none, the track counts as resolved until it looks unresolved again. Halves farther
+// apart than two objects begin unresolved must also lie apart for their size: those of one object
+// that comes near or turns part too, but grow with it.
+bool have_parted(TrackState& state, std::span<const Part> halves, float birth_radius_px) noexcept;
 
 // ---- splitting ----
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cstdint>
 #include <utility>
 
@@ -57,6 +58,22 @@ TEST(HalfFinder, ABarHasNoHalves) {
   for (std::size_t x = 20; x <= 44; x += 8) beside.own(x, 48, 2);
   for (std::size_t y = 36; y <= 60; y += 8) beside.own(64, y, 2);
   EXPECT_EQ(beside.find().size(), 2U);
+}
+
+// The halves of one object that comes near or turns part too, and become longer with it.
+TEST(HaveParted, SaysSoOfHalvesThatLieFartherApartThanThoseOfOneObject) {
+  const auto parted = [](float spread_px, float later_spread_px, float birth_radius_px = 10) {
+    TrackState state;
+    const auto halves = [](float distance_px, float spread) {
+      return std::array{Part{0, 0, {}, spread}, Part{distance_px, 0, {}, spread}};
+    };
+    EXPECT_FALSE(have_parted(state, halves(20, spread_px), birth_radius_px));
+    EXPECT_FALSE(have_parted(state, halves(22, later_spread_px), birth_radius_px));
+    return have_parted(state, halves(26, later_spread_px), birth_radius_px);
+  };
+  EXPECT_TRUE(parted(5.5F, 5.5F));
+  EXPECT_FALSE(parted(5.5F, 7.5F));
+  EXPECT_TRUE(parted(5.5F, 7.5F, 18));  // two that began unresolved may lie so near each other
 }
 
 // A sparse thing has gaps of its own.
