@@ -45,7 +45,7 @@ builtin_interfaces::msg::Time to_time(std::int64_t ns) {
 }
 
 EventNode::EventNode(const std::string& name, const rclcpp::NodeOptions& options)
-    : Node(name, options) {
+    : Node(name, options), parameters_{.feedback = "none"} {
   declare(false);
 }
 
@@ -95,7 +95,7 @@ void EventNode::stop() {
 
 // Reads the declared parameters: all that were accepted, in force or not.
 ros::Parameters EventNode::declared() const {
-  ros::Parameters parameters;
+  ros::Parameters parameters = parameters_;
   const auto look = [&](const auto& field) {
     if (has_parameter(field.name)) read(get_parameter(field.name), parameters);
   };

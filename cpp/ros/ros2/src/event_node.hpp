@@ -34,7 +34,10 @@ class EventNode : public rclcpp::Node {
 
  protected:
   // Declares the parameters of a node that publishes packages as well.
-  void declare_packages() { declare(true); }
+  void declare_packages() {
+    parameters_.feedback = ros::Parameters().feedback;
+    declare(true);
+  }
 
   // Once the receiver is there and all parameters are declared; throws std::invalid_argument for
   // bad ones. `packages`, if any, is where the receiver publishes. The receiver outlives stop().
