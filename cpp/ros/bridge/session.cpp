@@ -198,8 +198,8 @@ void Session::process(const Package& package) {
 }
 
 void Session::pass_triggers(std::int64_t until_us) {
-  const std::lock_guard worker(worker_);
   bool is_lost = false;
+  std::unique_lock worker(worker_);
   std::erase_if(triggers_, [&](const Trigger& trigger) {
     if (trigger.t > until_us) return false;
     const bool passes = receiver_.trigger(trigger);
@@ -207,7 +207,9 @@ void Session::pass_triggers(std::int64_t until_us) {
     is_lost = is_lost || !passes;
     return true;
   });
-  if (is_lost && !std::exchange(is_trigger_loss_said_, true)) {
+  is_lost = is_lost && !std::exchange(is_trigger_loss_said_, true);
+  worker.unlock();
+  if (is_lost) {
     say_(Level::warn, "external triggers do not pass; packages in evt3 have them");
   }
 }
