@@ -374,7 +374,10 @@ MUTANTS: list[Mutant] = [
             "kReach = std::int64_t{1} << 24;",
         ),
         gap_of_127_in_one_byte=("kReach = 127;", "kReach = 128;"),
-        back_step_encoded=("bool held = event->t >= earliest &&", "bool held ="),
+        back_step_encoded=(
+            "bool held = event->t >= earliest &&",
+            "bool held = event->t >= std::min(earliest, Format::kMinTime) &&",
+        ),
         refused_event_misnumbered=(
             "state.last_t = earliest = event->t;\n    ++state.events;",
             "state.last_t = earliest = event->t;",
