@@ -79,7 +79,6 @@ class Bands::Impl {
         SeenBy& seen = seen_by_[static_cast<std::size_t>(y)];
         if (seen.end == 0) seen.begin = number;
         seen.end = static_cast<std::uint16_t>(number + 1);
-        seen.by_others = seen.end > seen.begin + 1;
         if (rows.first <= y && y < rows.end) seen.owner = number;
       }
       bands_.emplace_back();
@@ -194,7 +193,6 @@ class Bands::Impl {
     std::uint16_t owner = 0;
     std::uint16_t begin = 0;
     std::uint16_t end = 0;
-    bool by_others = false;
   };
 
   // Where events of a band go to.
@@ -266,13 +264,14 @@ class Bands::Impl {
     const std::size_t end = events_.size() * (thread + 1) / lanes_.size();
     std::size_t before = begin;
     while (before > 0 && !has(events_[before - 1])) --before;
-    std::int64_t before_us = before > 0 ? events_[before - 1].t : time_.latest_us();
-    const std::int64_t offset_us = Time(time_).of(time_.latest_us()) - time_.latest_us();
+    const std::int64_t latest_us = time_.latest_us();
+    const auto now_us = static_cast<std::uint64_t>(Time(time_).of(latest_us));
+    std::int64_t before_us = before > 0 ? events_[before - 1].t : latest_us;
     bool goes_back = false;
     route(lanes_[thread], begin, end, [&](std::int64_t stamp_us) {
       goes_back |= stamp_us < before_us;
       before_us = stamp_us;
-      return stamp_us + offset_us;
+      return static_cast<std::int64_t>(now_us + distance_us(latest_us, stamp_us));
     });
     if (goes_back) is_jagged_.store(true, std::memory_order_relaxed);
     if (unrouted_.fetch_sub(1, std::memory_order_acq_rel) == 1) {
@@ -341,7 +340,7 @@ class Bands::Impl {
       };
       const SeenBy& seen = seen_by[event.y];
       put(seen.owner, static_cast<std::uint32_t>(i));
-      if (!seen.by_others) [[likely]]
+      if (seen.end == seen.begin + 1) [[likely]]
         continue;
       for (std::size_t band = seen.begin; band < seen.end; ++band) {
         if (band != seen.owner) put(band, kNoPlace);

@@ -204,7 +204,7 @@ TYPED_TEST(TiledAlgorithm, IsAsOneInstanceOnJaggedStamps) {
 TYPED_TEST(TiledAlgorithm, IsAsOneInstanceWhereTwoHalvesOfAPackageMeet) {
   constexpr std::size_t kSize = 1'000;
   const auto events = test::wild_stream({.width = 24, .height = 120}, 6 * kSize);
-  for (int fault = 0; fault < 4; ++fault) {
+  for (int fault = 0; fault < 5; ++fault) {
     auto jagged = events;
     const auto second = std::span(jagged).subspan(4 * kSize);
     Event& ahead = second[kSize / 2 - 2];  // in the first half, and what only the upper band sees
@@ -217,6 +217,12 @@ TYPED_TEST(TiledAlgorithm, IsAsOneInstanceWhereTwoHalvesOfAPackageMeet) {
     if (fault == 3) {
       for (Event& event : second) event.t += std::int64_t{1} << 51;
       second[kSize - 1].y = 120, second[kSize - 1].t = 0;
+    }
+    if (fault == 4) {  // as far ahead as can be
+      using Stamps = std::numeric_limits<std::int64_t>;
+      const std::int64_t last_us = events.back().t;
+      for (Event& event : jagged) event.t += Stamps::min();
+      for (Event& event : second) event.t = Stamps::max() - (last_us - (event.t - Stamps::min()));
     }
     const auto config = sized<TypeParam>(24, 120);
     TypeParam one(config);
