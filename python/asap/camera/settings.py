@@ -47,11 +47,11 @@ def configuration(
 
 
 def _region(region: Any, width: int, height: int) -> tuple[int, int, int, int]:
-    remedy = f"give (left, top, width, height), whole px of the {width} x {height} of the sensor"
     try:
         left, top, w, h = (side.__index__() for side in region)
+        if min(left, top) >= 0 and min(w, h) >= 1 and left + w <= width and top + h <= height:
+            return left, top, w, h
     except (TypeError, ValueError, AttributeError):
-        raise ValueError(_checks.named("region", region, remedy)) from None
-    if min(left, top) < 0 or min(w, h) < 1 or left + w > width or top + h > height:
-        raise ValueError(_checks.named("region", region, remedy))
-    return left, top, w, h
+        pass
+    remedy = f"give (left, top, width, height), whole px of the {width} x {height} of the sensor"
+    raise ValueError(_checks.named("region", region, remedy))

@@ -467,8 +467,8 @@ TEST(Session, IsStalledWithItsReceiver) {
   EXPECT_EQ(value_of(fixture.session.report().facts, "state"), "stalled");
 }
 
-// What is published for a consumer that stays away waits in the middleware, and the time of such a
-// package says nothing about the algorithm.
+// The middleware keeps packages for a consumer that stays away. The time that such a package takes
+// says nothing about the algorithm.
 TEST(Session, PublishesLittleWhileTheConsumerStaysAway) {
   using namespace std::chrono_literals;
   class Away final : public Receiver {
