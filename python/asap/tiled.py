@@ -45,7 +45,7 @@ def Tiled(
     Raises
     ------
     TypeError
-        The answers of the algorithm depend on more than the rows around an event.
+        No class, or one whose answers may depend on more than the rows around an event.
     ValueError
         A parameter is out of range; the message names it.
 
@@ -61,10 +61,13 @@ def Tiled(
     made = vars(algorithm).get("_Tiled") if isinstance(algorithm, type) else None
     if made is None:
         fit = ", ".join(kind.__name__ for kind in _core.ALGORITHMS if "_Tiled" in vars(kind))
-        raise TypeError(
-            f"algorithm = {getattr(algorithm, '__name__', algorithm)!s}: its answers may depend on "
-            f"more than the rows around an event. Give one of {fit}."
-        )
+        if isinstance(algorithm, type):
+            what = (
+                f"{algorithm.__name__}: an answer may need more than the rows around an event"
+            )
+        else:
+            what = f"{algorithm!r}: must be a class"
+        raise TypeError(f"algorithm = {what}. Give one of {fit}.")
     if threads is None:
         has_affinity = hasattr(os, "sched_getaffinity")
         usable = len(os.sched_getaffinity(0)) if has_affinity else os.cpu_count() or 1

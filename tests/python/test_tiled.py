@@ -57,10 +57,16 @@ def test_a_process_that_forked_goes_on_alone() -> None:
     assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
 
 
-@pytest.mark.parametrize("kind", [asap.HotPixelMask, asap.ClusterTracker, print, "EFast"])
+@pytest.mark.parametrize("kind", [asap.HotPixelMask, asap.ClusterTracker, int])
 def test_what_needs_more_than_the_rows_around_is_refused(kind: Any) -> None:
-    with pytest.raises(TypeError, match=r"^algorithm = .*EFast"):
+    with pytest.raises(TypeError, match=rf"^algorithm = {kind.__name__}: .*rows around.*EFast"):
         asap.Tiled(kind, WIDTH, HEIGHT)
+
+
+@pytest.mark.parametrize("given", [asap.EFast(WIDTH, HEIGHT), "EFast", print])
+def test_what_is_no_class_is_refused(given: Any) -> None:
+    with pytest.raises(TypeError, match=r"must be a class\. .*EFast"):
+        asap.Tiled(given, WIDTH, HEIGHT)
 
 
 @pytest.mark.parametrize(
