@@ -21,10 +21,9 @@
 #include <string>
 #include <string_view>
 #include <thread>
-#include <utility>
 
 #include "asap/runner/pipeline.hpp"
-#include "asap/schemes/deadline.hpp"
+#include "ros/bridge/attended.hpp"
 #include "ros/bridge/facts.hpp"
 #include "ros/bridge/packet_reader.hpp"
 #include "ros/bridge/parameters.hpp"
@@ -68,9 +67,6 @@ class Receiver {
 
 class Session {
  public:
-  // Events of a package while the consumer stays away: the middleware keeps them for it.
-  static constexpr std::size_t kWhileAway = 1'000;
-
   using Say = std::function<void(Level, const std::string&)>;
   using NameOf = std::function<std::string(std::string_view publisher)>;
 
@@ -105,31 +101,6 @@ class Session {
 
  private:
   using Clock = std::chrono::steady_clock;
-
-  // Deadline, but while the consumer stays away: little is published then, the rest is dropped as
-  // stale, and what a package takes is no cost of the algorithm.
-  class Attended final : public Scheme {
-   public:
-    explicit Attended(const DeadlineConfig& config) : law_(config) {}
-
-    void note(bool is_away) noexcept { was_away_ = std::exchange(is_away_, is_away); }
-
-    Decision decide(const Backlog& backlog) noexcept override {
-      const bool is_much = is_away_ && backlog.count > kWhileAway;
-      return is_much ? Decision::drop(backlog.count - kWhileAway) : law_.decide(backlog);
-    }
-    void observe(const Outcome& outcome) noexcept override {
-      if (!is_away_ && !was_away_) law_.observe(outcome);
-    }
-    void reset(Execution execution) noexcept override { law_.reset(execution); }
-    std::string_view name() const noexcept override { return law_.name(); }
-    std::int64_t latency_bound_ns() const noexcept override { return law_.latency_bound_ns(); }
-    void set_latency_bound_ns(std::int64_t ns) noexcept override { law_.set_latency_bound_ns(ns); }
-
-   private:
-    Deadline law_;
-    bool is_away_ = false, was_away_ = false;  // at the end of the last package and the one before
-  };
 
   // The stamp of a message and of its first event.
   struct Mark {

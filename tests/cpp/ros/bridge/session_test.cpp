@@ -505,7 +505,7 @@ TEST(Session, PublishesLittleWhileTheConsumerStaysAway) {
   feed_for(500ms);
   session.stop();
   EXPECT_GT(receiver.most_away, 0u);
-  EXPECT_LE(receiver.most_away, Session::kWhileAway);
+  EXPECT_LE(receiver.most_away, Attended::kWhileAway);
   EXPECT_GT(session.stats().ledger.stale, 10'000u);
   EXPECT_TRUE(session.stats().ledger.balanced());
 }
