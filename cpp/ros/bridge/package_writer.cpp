@@ -51,23 +51,20 @@ PackageWriter::Written PackageWriter::write_mono(EventSpan events,
   return {.events = count, .time_base = static_cast<std::uint64_t>(base_us * kNsPerUs)};
 }
 
-// The encoder counts from 0, bridges gaps by marks and refuses a stamp that goes back: it begins at
-// the stamp modulo the range of EVT3, which is all that a reader learns, and begins anew where the
-// stamps do.
+// The encoder bridges gaps by marks and refuses a stamp that goes back: it begins with the range of
+// EVT3 in which the stamp lies, as a reader does, and begins anew where the stamps do.
 void PackageWriter::write_evt3(EventSpan events, std::span<const Trigger> triggers,
                                std::vector<std::uint8_t>& bytes) {
-  std::array<Event, kBlock> shifted;
   std::array<std::byte, kBlock * Encoder::kMaxPerEvent> encoded;
   bytes.reserve(events.size() * 4 + Encoder::kMaxPerEvent);
   evt3_.restate();
   while (!events.empty()) {
     if (events.front().t < last_us_ || events.front().t - last_us_ > kMostGap_us) {
-      evt3_.reset();
       last_us_ = events.front().t;
       if (!triggers.empty()) {
         last_us_ = std::clamp(triggers.front().t, last_us_ - kEvt3Range_us, last_us_);
       }
-      origin_us_ = last_us_ & ~(kEvt3Range_us - 1);
+      evt3_.reset(last_us_ & ~(kEvt3Range_us - 1));
     }
     for (; !triggers.empty() && triggers.front().t <= events.front().t;
          triggers = triggers.subspan(1)) {
@@ -76,13 +73,10 @@ void PackageWriter::write_evt3(EventSpan events, std::span<const Trigger> trigge
     std::size_t count = std::min(kBlock, events.size());
     while (!triggers.empty() && events[count - 1].t >= triggers.front().t) --count;
     while (events[count - 1].t - last_us_ > kMostGap_us) --count;  // the first one goes on
-    for (std::size_t i = 0; i < count; ++i) {
-      shifted[i] = events[i];
-      shifted[i].t -= origin_us_;
-    }
     last_us_ = events[count - 1].t;
+    EventSpan block = events.first(count);
     events = events.subspan(count);
-    for (EventSpan block = EventSpan(shifted).first(count); !block.empty();) {
+    while (!block.empty()) {
       const Progress done = evt3_.encode(block, encoded);
       const auto* const first = reinterpret_cast<const std::uint8_t*>(encoded.data());
       bytes.insert(bytes.end(), first, first + done.bytes);
@@ -95,7 +89,7 @@ void PackageWriter::write_evt3(EventSpan events, std::span<const Trigger> trigge
 void PackageWriter::write_evt3(Trigger trigger, std::vector<std::uint8_t>& bytes) {
   std::array<std::byte, 2 * Encoder::kMaxPerEvent> encoded;
   last_us_ = std::max(trigger.t, last_us_);  // a clock that was set back
-  trigger.t = last_us_ - origin_us_;
+  trigger.t = last_us_;
   for (Progress done; done.triggers == 0;) {
     done = evt3_.encode(trigger, encoded);
     const auto* const first = reinterpret_cast<const std::uint8_t*>(encoded.data());

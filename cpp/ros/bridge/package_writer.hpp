@@ -40,7 +40,6 @@ class PackageWriter {
 
   const bool is_mono_;
   Encoder evt3_{{.encoding = Encoding::evt3}};
-  std::int64_t origin_us_ = 0;  // what the encoder counts from
   std::int64_t last_us_ = std::numeric_limits<std::int64_t>::max();
 };
 

@@ -25,9 +25,9 @@ std::byte* put_little(std::byte* to, Word word) noexcept {
 std::uint32_t is_on(const Event& event) noexcept { return event.p > 0 ? 1 : 0; }
 
 // A format has limits and functions. put() writes an event. Where the bytes count time from event
-// to event, it lies less than kReach after state.t, to which mark() has advanced it step by step: a
-// gap of kMaxGap is worth its bytes. kMaxAddress has no zero bit below its ones. kRowsUp: row 0 is
-// the bottom one. The layouts stand in the decoders' headers.
+// to event, it follows() state.t, to which mark() has advanced it, step by step towards the event's
+// time: a gap of kMaxGap is worth its bytes. kMaxAddress has no zero bit below its ones. kRowsUp:
+// row 0 is the bottom one. The layouts stand in the decoders' headers.
 
 struct Limits {
   static constexpr std::uint32_t kMaxAddress = std::numeric_limits<std::uint16_t>::max();
@@ -37,7 +37,7 @@ struct Limits {
 };
 
 template <class Format>
-concept CountsTime = requires { Format::kReach; };
+concept CountsTime = requires { Format::kMaxGap; };
 
 struct Evt3Format : Limits {
   static constexpr std::string_view kName = "EVT3";
@@ -45,10 +45,11 @@ struct Evt3Format : Limits {
   static constexpr std::int64_t kReach = std::int64_t{1} << 22;   // readers unwrap 2^24 us
   static constexpr std::int64_t kMaxGap = std::int64_t{1} << 40;  // 12.7 days: 1 MB of marks
 
+  static bool follows(const State& state, std::int64_t t) noexcept {
+    return state.started && (t ^ state.t) >> 12 == 0;
+  }
+
   static std::byte* put(State& state, const Event& event, std::byte* to) noexcept {
-    if (!state.started || event.t >> 12 != state.t >> 12) [[unlikely]] {
-      to = put_time(state, event.t, to);
-    }
     // Each word is written, and only those that say something new are kept: no branch to guess.
     put_word(to, kTimeLow, event.t & 0xfff);
     to += event.t != state.t ? kWord : 0;
@@ -64,8 +65,8 @@ struct Evt3Format : Limits {
     return put_word(to, kTrigger, trigger.id << 8 | trigger.value);
   }
 
-  static std::byte* mark(State& state, std::byte* to) noexcept {
-    return put_time(state, state.t + kReach, to);
+  static std::byte* mark(State& state, std::int64_t t, std::byte* to) noexcept {
+    return put_time(state, std::min(t, state.t + kReach), to);
   }
 
  private:
@@ -97,7 +98,9 @@ struct EventStreamFormat : Limits {
     return put_little(put_little(to, event.x), event.y);
   }
 
-  static std::byte* mark(State& state, std::byte* to) noexcept {
+  static bool follows(const State& state, std::int64_t t) noexcept { return t - state.t < kReach; }
+
+  static std::byte* mark(State& state, std::int64_t, std::byte* to) noexcept {
     state.t += kReach;
     *to++ = std::byte{0xff};
     return to;
@@ -148,6 +151,12 @@ template <class Format>
          name +
              " cannot hold this time; count from the first event (relative), or split the "
              "recording");
+}
+
+// What the next stamp is at least.
+template <class Format>
+std::int64_t earliest(const State& state) noexcept {
+  return state.last_t == State{}.last_t ? Format::kMinTime : state.last_t;
 }
 
 }  // namespace
@@ -203,7 +212,7 @@ Progress Encoder::encode(const Trigger& trigger, std::span<std::byte> bytes) {
   require(config_.encoding == Encoding::evt3, "encoding", static_cast<int>(config_.encoding),
           "only EVT3 holds triggers");
   require(trigger.id < 16, "id", int{trigger.id}, "EVT3 holds ids up to 15");
-  require(trigger.t >= std::max(state_.last_t, Evt3Format::kMinTime), "t", trigger.t,
+  require(trigger.t >= earliest<Evt3Format>(state_), "t", trigger.t,
           "must be 0 or more and not before the last event");
   Progress done;
   const auto room = [&] { return bytes.size() - done.bytes >= kMaxPerEvent; };
@@ -211,7 +220,7 @@ Progress Encoder::encode(const Trigger& trigger, std::span<std::byte> bytes) {
     done.bytes = static_cast<std::size_t>(end - bytes.data());
   };
   while (room() && trigger.t - state_.t >= Evt3Format::kReach) {
-    put(Evt3Format::mark(state_, bytes.data() + done.bytes));
+    put(Evt3Format::mark(state_, trigger.t, bytes.data() + done.bytes));
   }
   if (!room()) return done;
   put(Evt3Format::put(state_, trigger, bytes.data() + done.bytes));
@@ -223,36 +232,44 @@ Progress Encoder::encode(const Trigger& trigger, std::span<std::byte> bytes) {
 template <class Format>
 Progress Encoder::encode_as(std::span<const Event> events, std::span<std::byte> bytes) {
   std::byte* to = bytes.data();
-  std::byte* const end = to + bytes.size();
-  const Event* event = events.data();
-  const Event* const events_end = event + events.size();
+  const auto room = [&] {
+    return (bytes.size() - static_cast<std::size_t>(to - bytes.data())) / kMaxPerEvent;
+  };
   State state = state_;
-  std::int64_t earliest = std::max(state.last_t, Format::kMinTime);
-  while (event != events_end && end - to >= static_cast<std::ptrdiff_t>(kMaxPerEvent)) {
-    const bool held = event->t >= earliest && event->t <= Format::kMaxTime &&
-                      (event->x | event->y) <= static_cast<int>(Format::kMaxAddress);
-    if (!held) [[unlikely]] {
-      refuse<Format>(State(state), *event);  // a copy: state stays in registers
-    }
-    if constexpr (CountsTime<Format>) {
-      if (event->t - state.t >= Format::kReach) [[unlikely]] {
-        if (event->t - state.t > Format::kMaxGap) refuse<Format>(State(state), *event);
-        to = Format::mark(state, to);
-        continue;
+  std::int64_t last = earliest<Format>(state);
+  std::size_t i = 0;
+  const auto refuse_this = [&] {
+    state.events += i;
+    if (i > 0) state.last_t = last;
+    refuse<Format>(State(state), events[i]);  // a copy: state stays in registers
+  };
+  while (i < events.size() && room() > 0) {
+    for (const std::size_t end = i + std::min(events.size() - i, room()); i < end; ++i) {
+      const Event& event = events[i];
+      const bool held = event.t >= last && event.t <= Format::kMaxTime &&
+                        (event.x | event.y) <= static_cast<int>(Format::kMaxAddress);
+      if (!held) [[unlikely]] {
+        refuse_this();
       }
+      if constexpr (CountsTime<Format>) {
+        if (!Format::follows(state, event.t)) [[unlikely]] {
+          if (event.t - state.t > Format::kMaxGap) refuse_this();
+          to = Format::mark(state, event.t, to);
+          break;
+        }
+      }
+      Event stored = event;
+      if constexpr (Format::kRowsUp) {
+        stored.y = static_cast<std::uint16_t>(config_.height - 1 - stored.y);
+      }
+      to = Format::put(state, stored, to);
+      last = event.t;
     }
-    Event stored = *event;
-    if constexpr (Format::kRowsUp) {
-      stored.y = static_cast<std::uint16_t>(config_.height - 1 - stored.y);
-    }
-    to = Format::put(state, stored, to);
-    state.last_t = earliest = event->t;
-    ++state.events;
-    ++event;
   }
+  if (i > 0) state.last_t = last;
+  state.events += i;
   state_ = state;
-  return {.bytes = static_cast<std::size_t>(to - bytes.data()),
-          .events = static_cast<std::size_t>(event - events.data())};
+  return {.bytes = static_cast<std::size_t>(to - bytes.data()), .events = i};
 }
 
 }  // namespace asap::inline v0_1

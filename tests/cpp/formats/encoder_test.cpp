@@ -202,8 +202,21 @@ TEST(Encoder, RoomMakesNoDifference) {
       joined.insert(joined.end(), part.begin(), part.end());
     }
     EXPECT_EQ(joined, whole);
-    encoder.reset();
+    encoder.reset(0);
     EXPECT_EQ(encode(encoder, events), whole);
+  }
+}
+
+TEST(Encoder, CountsFromTheTimeOfAReset) {
+  const Events events = some_events(2'000);
+  for (const Encoding encoding : {Encoding::evt3, Encoding::event_stream}) {
+    for (const std::int64_t origin_us : {std::int64_t{1} << 30, -(std::int64_t{1} << 30)}) {
+      Events moved = events;
+      for (Event& event : moved) event.t += origin_us;
+      Encoder encoder(config(encoding));
+      encoder.reset(origin_us);
+      EXPECT_EQ(encode(encoder, moved), encode(encoding, events)) << origin_us;
+    }
   }
 }
 

@@ -49,7 +49,8 @@ class Encoder {
   // EVT3. Returns no trigger where the room has ended before it: call again.
   Progress encode(const Trigger& trigger, std::span<std::byte> bytes);
 
-  void reset() noexcept { state_ = {}; }
+  // Begins anew, with events from this time on: the bytes count from it.
+  void reset(std::int64_t first_us) noexcept { state_ = {.t = first_us, .last_t = first_us}; }
 
   // The next event states its time and row again: what follows can be read without what came
   // before, but for the epoch of the time. For EVT3.
