@@ -1,4 +1,4 @@
-// The layer `filter`: GammaFilter. (Validator has a file of its own.)
+// The layer `filter`: GammaFilter.
 #include "asap/filter/gamma_filter.hpp"
 
 #include "arrays.hpp"

@@ -375,12 +375,12 @@ MUTANTS: list[Mutant] = [
         ),
         gap_of_127_in_one_byte=("kReach = 127;", "kReach = 128;"),
         back_step_encoded=(
-            "bool held = event->t >= earliest &&",
-            "bool held = event->t >= std::min(earliest, Format::kMinTime) &&",
+            "bool held = event.t >= last &&",
+            "bool held = event.t >= std::min(last, Format::kMinTime) &&",
         ),
         refused_event_misnumbered=(
-            "state.last_t = earliest = event->t;\n    ++state.events;",
-            "state.last_t = earliest = event->t;",
+            "state.events += i;\n    if (i > 0) state.last_t = last;",
+            "if (i > 0) state.last_t = last;",
         ),
     ),
     *in_file(

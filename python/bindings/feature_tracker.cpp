@@ -1,9 +1,9 @@
 // The layer `algorithms`: FeatureTracker.
-#include "arrays.hpp"
 #include "asap/algorithms/feature_tracker.hpp"
+#include "arrays.hpp"
 #include "per_event.hpp"
 
-namespace asap::python::features {
+namespace asap::python::feature_tracker {
 namespace {
 
 constexpr const char* kFeatureTrackerDoc =
@@ -102,4 +102,4 @@ $not_gamma
 const AlgorithmBinding binding(&bind);
 
 }  // namespace
-}  // namespace asap::python::features
+}  // namespace asap::python::feature_tracker

@@ -1,9 +1,9 @@
 // The layer `algorithms`: PlaneFlow.
-#include "arrays.hpp"
 #include "asap/algorithms/plane_flow.hpp"
+#include "arrays.hpp"
 #include "per_event.hpp"
 
-namespace asap::python::flow {
+namespace asap::python::plane_flow {
 namespace {
 
 constexpr const char* kFlowDoc = R"(Optical flow of each event, normal to its edge, by a plane fit.
@@ -68,4 +68,4 @@ $not_gamma
 const AlgorithmBinding binding(&bind);
 
 }  // namespace
-}  // namespace asap::python::flow
+}  // namespace asap::python::plane_flow

@@ -1,9 +1,9 @@
 // The layer `algorithms`: MotionSegmenter.
-#include "arrays.hpp"
 #include "asap/algorithms/motion_segmenter.hpp"
+#include "arrays.hpp"
 #include "per_event.hpp"
 
-namespace asap::python::motion {
+namespace asap::python::motion_segmenter {
 namespace {
 
 constexpr const char* kSegmenterDoc = R"(Finds what moves on its own before a moving camera.
@@ -100,4 +100,4 @@ $not_gamma
 const AlgorithmBinding binding(&bind);
 
 }  // namespace
-}  // namespace asap::python::motion
+}  // namespace asap::python::motion_segmenter

@@ -1,4 +1,4 @@
-// The layer `algorithms`: HotPixelMask.
+// The layer `algorithms`: BackgroundActivityFilter and HotPixelMask.
 #include <pybind11/stl.h>
 
 #include <utility>
@@ -9,10 +9,33 @@
 #include "gil.hpp"
 #include "per_event.hpp"
 
-namespace asap::python::hot_pixels {
+namespace asap::python::noise_filters {
 namespace {
 
 using Pairs = std::vector<std::pair<int, int>>;
+
+constexpr const char* kBackgroundActivityFilterDoc = R"(Drops events without support.
+
+An event passes if one of its eight neighbours, of either polarity, fired at most `window_us` before it.
+Its own pixel does not count; a rejected event still supports others. Put it before whatever
+discards events at random, which would remove the support.
+
+$sensor.
+window_us : int
+    us, 0 to 500 000 000; 1000 to 10 000 is usual.
+
+$refuses
+
+Notes
+-----
+A few nanoseconds per event. Threads take turns. A timestamp that goes back by up to 1 s counts as the latest one.
+Source: Delbruck, "Frame-free dynamic digital vision", 2008.
+
+$scene
+>>> passed = asap.BackgroundActivityFilter(scene.width, scene.height).process(events)
+>>> 0 < len(passed) < len(events)
+True
+)";
 
 constexpr const char* kHotPixelsDoc = R"(Drops the events of hot pixels.
 
@@ -70,7 +93,22 @@ Keyword<HotPixelMaskConfig> pixels() {
       });
 }
 
-void bind(py::module_& m) {
+void bind_background_activity_filter(py::module_& m) {
+  using Config = BackgroundActivityFilterConfig;
+  Class<BackgroundActivityFilter> type(m, "BackgroundActivityFilter",
+                                       documented(kBackgroundActivityFilterDoc).c_str());
+  bind_passing(type);
+  bind_rest(type, "background", sized<Config>({keyword("window_us", &Config::window)}),
+            R"(Tells the fraction of the events that reaches the filter, 0 <= gamma <= 1.
+
+Neighbours become as rare, so the window grows to window_us / gamma, at most 500 s. Tell nothing, or 1,
+to a filter in front of the discarder.
+
+$not_gamma
+)");
+}
+
+void bind_hot_pixel_mask(py::module_& m) {
   using Config = HotPixelMaskConfig;
   Class<HotPixelMask> type(m, "HotPixelMask", documented(kHotPixelsDoc).c_str());
   bind_passing(type);
@@ -105,7 +143,12 @@ $not_gamma
 )");
 }
 
+void bind(py::module_& m) {
+  bind_background_activity_filter(m);
+  bind_hot_pixel_mask(m);
+}
+
 const AlgorithmBinding binding(&bind);
 
 }  // namespace
-}  // namespace asap::python::hot_pixels
+}  // namespace asap::python::noise_filters

@@ -1,37 +1,13 @@
-// The layer `algorithms`: BackgroundActivityFilter and the corner detectors.
+// The layer `algorithms`: the corner detectors.
 #include <cstdint>
 #include <initializer_list>
 
 #include "arrays.hpp"
 #include "asap/algorithms/corner_detector.hpp"
-#include "asap/algorithms/noise_filters.hpp"
 #include "per_event.hpp"
 
-namespace asap::python::corners {
+namespace asap::python::corner_detectors {
 namespace {
-
-constexpr const char* kBackgroundActivityFilterDoc = R"(Drops events without support.
-
-An event passes if one of its eight neighbours, of either polarity, fired at most `window_us` before it.
-Its own pixel does not count; a rejected event still supports others. Put it before whatever
-discards events at random, which would remove the support.
-
-$sensor.
-window_us : int
-    us, 0 to 500 000 000; 1000 to 10 000 is usual.
-
-$refuses
-
-Notes
------
-A few nanoseconds per event. Threads take turns. A timestamp that goes back by up to 1 s counts as the latest one.
-Source: Delbruck, "Frame-free dynamic digital vision", 2008.
-
-$scene
->>> passed = asap.BackgroundActivityFilter(scene.width, scene.height).process(events)
->>> 0 < len(passed) < len(events)
-True
-)";
 
 constexpr const char* kEFastDoc = R"(Finds corners by the order of the events alone.
 
@@ -155,24 +131,7 @@ $not_gamma
 )");
 }
 
-void bind_filter_in_front(py::module_& m) {
-  using Config = BackgroundActivityFilterConfig;
-  Class<BackgroundActivityFilter> type(m, "BackgroundActivityFilter",
-                                       documented(kBackgroundActivityFilterDoc).c_str());
-  bind_passing(type);
-  bind_rest(type, "background", sized<Config>({keyword("window_us", &Config::window)}),
-            R"(Tells the fraction of the events that reaches the filter, 0 <= gamma <= 1.
-
-Neighbours become as rare, so the window grows to window_us / gamma, at most 500 s. Tell nothing, or 1,
-to a filter in front of the discarder.
-
-$not_gamma
-)");
-}
-
 void bind(py::module_& m) {
-  bind_filter_in_front(m);
-
   bind_detector<EFast>(m, "EFast", kEFastDoc, "e_fast");
   bind_detector<ArcStar>(m, "ArcStar", kArcStarDoc, "arc_star",
                          {keyword("filter_us", &ArcStarConfig::filter)});
@@ -186,4 +145,4 @@ void bind(py::module_& m) {
 const AlgorithmBinding binding(&bind);
 
 }  // namespace
-}  // namespace asap::python::corners
+}  // namespace asap::python::corner_detectors
