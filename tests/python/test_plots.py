@@ -31,8 +31,8 @@ def test_the_figure_has_the_papers_curves_on_one_time_axis():
     figure = plots.figure(run)
     assert [axes.get_title(loc="left") for axes in figure.axes] == [
         "package size",
-        "rates in windows of 20 ms",
-        "where the events went",
+        "rates per 20 ms",
+        "events",
         "gamma",
         "margin",
         "latency",

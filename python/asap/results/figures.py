@@ -71,9 +71,9 @@ STYLE: Any = {
     "text.color": INK,
     "xtick.color": INK,
     "ytick.color": INK,
-    "xtick.labelsize": 8,
-    "ytick.labelsize": 8,
-    "legend.fontsize": 8,
+    "xtick.labelsize": 9,
+    "ytick.labelsize": 9,
+    "legend.fontsize": 9,
     "legend.frameon": False,
     "lines.linewidth": 1.1,
     "figure.facecolor": "white",
@@ -90,7 +90,7 @@ class NotebookFigure(Figure):
 
 
 def figure(
-    run: Run, *, size_inches: tuple[float, float] = (7.0, 9.8), points: int = 2000
+    run: Run, *, size_inches: tuple[float, float] = (5.0, 9.8), points: int = 2000
 ) -> Figure:
     """Draw the paper's figure of a run on a page of its own; see `control`.
 
@@ -138,7 +138,7 @@ def control(
     Asynchronous Processing of Event-based Vision Algorithms, ICRA 2020 workshop; latency is ours.
     """
     with matplotlib.rc_context(STYLE):
-        figure = figure or NotebookFigure(figsize=(7.0, 9.8), layout="constrained")
+        figure = figure or NotebookFigure(figsize=(5.0, 9.8), layout="constrained")
         rows = figure.subplots(len(_ROWS), 1, sharex=True)
         curves = _Curves(run, points)
         for axes, draw in zip(rows, _ROWS, strict=True):
@@ -203,7 +203,7 @@ def _draw_rates(curves: _Curves, axes: Axes) -> None:
         hidden = "" if rate_bound <= top_hz else f" = {_units.rate(rate_bound)}, off scale"
         _line(axes, rate_bound * scale, f"bound, a{hidden}")
     width = _units.duration(1e6 * float(np.diff(found.edges_s[:2]).sum()))
-    axes.set(title=f"rates in windows of {width}", ylabel=unit, ylim=(0, top_hz * scale))
+    axes.set(title=f"rates per {width}", ylabel=unit, ylim=(0, top_hz * scale))
     _legend(axes)
 
 
@@ -226,7 +226,7 @@ def _draw_kept_and_lost(curves: _Curves, axes: Axes) -> None:
             top = below + share
             axes.stairs(top, found.edges_s, baseline=below, fill=True, color=colour, label=label)
             below = top
-    axes.set(title="where the events went", ylabel="share", ylim=(0, 1.05), yticks=(0, 0.5, 1))
+    axes.set(title="events", ylabel="share", ylim=(0, 1.05), yticks=(0, 0.5, 1))
     _legend(axes)
 
 
@@ -349,7 +349,7 @@ def clusters(
             y,
             str(cluster["id"]),
             color=INK,
-            fontsize=8,
+            fontsize=9,
             ha="center",
             va="center",
             bbox=label,
@@ -379,7 +379,7 @@ def tracks(
     ax : Axes, optional
         Where to draw.
     """
-    axes = ax or _own_axes((7.0, 5.2))
+    axes = ax or _own_axes((5.0, 3.9))
     if events is not None and len(events):
         events = events_of_argument("events", events)
         axes.plot(events["x"], events["y"], ",", color=FAINT, alpha=0.35, rasterized=True)
@@ -392,7 +392,7 @@ def tracks(
         x, y = tracks["x"][part], tracks["y"][part]
         axes.plot(x, y, color=colour, linewidth=1.3 if is_long else 0.6, zorder=3 if is_long else 2)
         if is_long:
-            axes.text(x[-1], y[-1], str(tracks["id"][part[0]]), color=colour, fontsize=7, zorder=4)
+            axes.text(x[-1], y[-1], str(tracks["id"][part[0]]), color=colour, fontsize=9, zorder=4)
     axes.set(aspect="equal", xlabel="x [px]", ylabel="y [px]")
     axes.invert_yaxis()
     axes.grid(False)
@@ -402,7 +402,7 @@ def tracks(
 def tracks_figure(found: NDArray[np.void], events: NDArray[np.void] | None) -> Figure:
     """Draw tracks on a page of their own; see `tracks`."""
     with matplotlib.rc_context(STYLE):
-        page = NotebookFigure(figsize=(7.0, 5.2), layout="constrained")
+        page = NotebookFigure(figsize=(5.0, 3.9), layout="constrained")
         tracks(found, events=events, ax=page.add_subplot())
     return page
 
@@ -435,7 +435,7 @@ def rate(events: NDArray[np.void], bin_us: float = 10_000, *, ax: Axes | None = 
         Where to draw.
     """
     time_s, rate_hz = numbers.rate(events, bin_us)
-    axes = ax or _own_axes((7.0, 2.4))
+    axes = ax or _own_axes((5.0, 2.2))
     unit, scale = _units.rate_axis(rate_hz.max(initial=0))
     time_s, thinned = numbers.decimate(time_s, rate_hz * scale, 2000)
     axes.plot(time_s, thinned, color=BLUE, drawstyle="steps-post")
@@ -460,7 +460,7 @@ def _legend(axes: Axes) -> None:
         ncols=5,
         handlelength=1.5,
         handletextpad=0.5,
-        columnspacing=1.2,
+        columnspacing=1.0,
     )
 
 
