@@ -14,12 +14,15 @@ from asap import cli
 from house import INCLUDE, ROOT, name_of, run
 
 CPP_PAGE = ROOT / "notebooks" / "cpp.md"
+ROS_PAGE = "cpp/ros/README.md"
+ROS_WORDS = {"cd", "ln", "source", "colcon", "catkin_make", "ros2", "rosrun"}
 PAGES = sorted(
     {
         *ROOT.glob("*.md"),
         *(ROOT / "notebooks").rglob("*.md"),
         *(ROOT / "python").glob("*.md"),
         *(ROOT / "python" / "laboratory" / "pages").glob("*.md"),
+        ROOT / ROS_PAGE,
     }
 )
 TEXTS = {name_of(page): page.read_text() for page in PAGES}
@@ -29,10 +32,13 @@ PYPROJECT = (ROOT / "pyproject.toml").read_text()
 
 
 def blocks(language: str) -> list[tuple[str, str]]:
-    """Every block in a language, with its page. The pages of ROS: tests/ros runs their blocks."""
+    """Every block in a language, with its page; tests/ros builds and runs the programs of ROS."""
     pattern = rf"^```{language}\n(.*?)^```$"
     return [
-        (page, b) for page, text in TEXTS.items() for b in re.findall(pattern, text, re.M | re.S)
+        (page, b)
+        for page, text in TEXTS.items()
+        for b in re.findall(pattern, text, re.M | re.S)
+        if language == "sh" or page != ROS_PAGE
     ]
 
 
@@ -70,6 +76,32 @@ def assert_cmake(words: list[str]) -> None:
         assert not word.startswith("--") or word.removeprefix("--") in CMAKE_OPTIONS
 
 
+def test_what_the_page_of_ros_names_exists() -> None:
+    """Programs and components with their packages, parameters, arguments of launch files."""
+    code = code_of(TEXTS[ROS_PAGE])
+    files = {path.name: path.read_text() for path in (ROOT / "cpp" / "ros").rglob("*.*")}
+    builds = "\n".join(path.read_text() for path in (ROOT / "cpp" / "ros").rglob("CMakeLists.txt"))
+    builds += TEXTS[ROS_PAGE]
+    programs = re.findall(r"(?:run|load /\w+) (\w+) (\S+)", code)
+    programs += re.findall(r'package="(\w+)", executable="(\w+)"', TEXTS[ROS_PAGE])
+    arguments = {
+        name: re.findall(r'^    "(\w+)": \(', files[name], re.M)
+        for name in ("camera.launch.py", "playback.launch.py")
+    }
+    given = re.findall(r"(\w+\.launch\.py) ([^`\n]+)", code)
+    parameters = re.findall(r"(?:-p |\s_|/asap[ /])(\w+)(?::=| \d)", code)
+    assert len(programs) > 4 and len(given) > 1 and len(parameters) > 2
+    for package, program in programs:
+        assert f"project({package} " in builds
+        assert re.search(
+            rf"^(foreach\(program|add_exec|\w+register_nodes).*\b{program}\b", builds, re.M
+        )
+    for file, words in given:
+        assert {word.split(":=")[0] for word in words.split()} <= {*arguments[file]}
+    for name in parameters:
+        assert f'Field{{"{name}"' in files["parameters.hpp"]
+
+
 @pytest.mark.parametrize("line", shell_lines())
 def test_a_line_of_the_shell_is_understood(line: str) -> None:
     run(["bash", "-n", "-c", line])
@@ -84,6 +116,10 @@ def test_a_line_of_the_shell_is_understood(line: str) -> None:
             assert_installs(what)
     elif words[0] == "cmake":
         assert_cmake(words[1:])
+    elif words[0] in ROS_WORDS:
+        assert all(
+            (ROOT / path / "package.xml").exists() for path in re.findall(r"~/asap/(\S+)", line)
+        )
     else:
         assert Path(words[0]).name in ("python", "python3")
         assert words[1:3] in (["-m", "venv"], ["-m", "pytest"])
