@@ -180,26 +180,6 @@ def test_A10_a_year_of_silence_is_no_fault(name: str, tmp_path: Path) -> None:
 # ---- what only one of them can tell ---------------------------------------------------------
 
 
-def test_many_events_on_one_stamp_are_no_rate() -> None:
-    crowd = corrupt.one_stamp(EVENTS, 100, 700)
-    run = asap.simulate(crowd, cost=asap.LinearCost(10, 10), scheme=asap.FixedSize(size=100))
-    assert all(np.isfinite(run.packages[name]).all() for name in run.packages.dtype.names or ())
-    assert run.packages["event_rate"][1:].max() < 2e6  # of 0.2 Mev/s; never 100 Mev/s
-
-
-def test_a_long_silence_is_flushed_and_forgotten() -> None:
-    silence = corrupt.gap(EVENTS, 2000, 10_000_000)
-    scheme = asap.FixedSize(size=1500)
-    run = asap.simulate(silence, cost=asap.LinearCost(10, 10), scheme=scheme, latency_ms=500)
-    # 1500, then the 500 before the silence, which nothing follows; no package spans the silence.
-    assert run.packages["size"].tolist() == [1500, 500, 1500, 500]
-    assert run.packages["event_rate"][1] == pytest.approx(2e5, rel=0.1)
-    assert run.packages["event_rate"][2] < 1e3
-    with asap.Pipeline(scheme=asap.FixedSize(size=5000), latency_ms=5) as pipeline:
-        pipeline.push(EVENTS[:10])
-        assert len(next(iter(pipeline))) == 10
-
-
 def test_empty_arrays_and_none_in_a_stream() -> None:
     chunks = [EVENTS[:0], EVENTS[:10], None, EVENTS[10:10], EVENTS[10:]]
     run = asap.simulate(iter(chunks), cost=asap.LinearCost(10, 10))
@@ -208,36 +188,6 @@ def test_empty_arrays_and_none_in_a_stream() -> None:
     for chunk in chunks:
         pipeline.push(chunk)
     assert pipeline.ledger.received == EVENTS.size
-
-
-def test_ten_million_events_in_one_call() -> None:
-    events = np.zeros(10_000_000, asap.EVENT_DTYPE)
-    events["t"] = np.arange(events.size) // 10
-    run = asap.simulate(events, cost=asap.LinearCost(10, 10), scheme=asap.Greedy())
-    assert run.ledger.delivered == events.size
-    pipeline = asap.Pipeline(when_full="keep_oldest", capacity=1 << 20)
-    pipeline.push(events)
-    assert (pipeline.ledger.received, pipeline.ledger.pending) == (events.size, 1 << 20)
-
-
-def test_a_pipeline_goes_on_after_what_it_refused() -> None:
-    pipeline = asap.Pipeline(on_bad="raise", scheme=asap.Greedy())
-    with pytest.raises(ValueError, match="t = "):
-        pipeline.push(corrupt.back_steps(EVENTS, 40))
-    good = pipeline.ledger.received - pipeline.ledger.rejected
-    assert pipeline.ledger.rejected == 1
-    later = EVENTS[-1:].copy()
-    later["t"] += 10
-    pipeline.push(later)
-    pipeline.stop()
-    assert sum(len(package) for package in pipeline) == good + 1
-
-
-def test_a_clock_reset_makes_due_what_waits() -> None:
-    with asap.Pipeline(scheme=asap.FixedSize(size=5000), latency_ms=1e6) as pipeline:
-        pipeline.push(EVENTS[:2000])
-        pipeline.push(corrupt.clock_reset(EVENTS, 2000, to_us=0)[2000:])
-        assert len(next(iter(pipeline))) >= 2000  # not only with the 5000th
 
 
 def test_A15_what_comes_first_is_left_over(tmp_path: Path) -> None:

@@ -2,27 +2,19 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pytest
 
 import asap
+import streams
 from asap.cli import main
-from entries import packages_of
-from event_files import recording
 
 SIZE = 700
 SENSOR = {"width": 346, "height": 260}
 GEOMETRY = ("--width", "346", "--height", "260")
 FOR_EVER = {"latency_ms": 1e6}  # nothing is flushed, nothing is late
-RECORDINGS = (
-    "derived/office.npy",
-    "derived/office.npz",
-    "text/slider_davis240.txt",
-    "text/night_davis346.csv",
-    "aedat/cars_davis346.aedat4",
-)
 
 
 def fixed_size() -> asap.FixedSize:
@@ -33,12 +25,21 @@ def boundaries(packages: Any) -> list[tuple[int, int, int]]:
     return [tuple(row) for row in packages[["t_first", "t_last", "size"]].tolist()]
 
 
-@pytest.mark.parametrize("name", RECORDINGS)
-def test_the_same_packages_through_every_door(name: str, tmp_path: Any) -> None:
-    if name.endswith("aedat4"):
-        pytest.importorskip("lz4")
-    path = recording(name)
-    events = asap.load(path)
+def live(algorithm: Any, events: Any) -> Any:
+    """Give the rows of a pipeline that gets all events at once: in a loop, or by run()."""
+    pipeline = asap.Pipeline(algorithm, scheme=fixed_size(), **FOR_EVER, **SENSOR)
+    pipeline.push(events)
+    pipeline.stop()
+    if algorithm is None:
+        assert sum(map(len, pipeline)) == events.size
+    else:
+        pipeline.run()
+    return pipeline.packages
+
+
+def test_the_same_packages_through_every_door(tmp_path: Path) -> None:
+    events, path = streams.poisson(1e6, 0.02), tmp_path / "events.npy"
+    np.save(path, events)
     options = {"scheme": fixed_size(), **FOR_EVER, **SENSOR}
     simulated = asap.simulate(path, cost=asap.LinearCost(1, 1), **options)
     expected = boundaries(simulated.packages)
@@ -54,5 +55,4 @@ def test_the_same_packages_through_every_door(name: str, tmp_path: Any) -> None:
 
     assert boundaries(asap.run(path, algorithm=len, speed=1000.0, **options).packages) == expected
     for algorithm in (None, len, asap.ClusterTracker(346, 260)):
-        live = packages_of(algorithm, events, scheme=fixed_size(), **FOR_EVER, **SENSOR)
-        assert boundaries(live) == expected
+        assert boundaries(live(algorithm, events)) == expected

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import os
 import signal
-import sys
 from textwrap import dedent, indent
 
 import pytest
 
 from children import LONG, PATIENCE, run_script, send_when_ready
-from house import run
 
 SAY_THAT_IT_RUNS = """
 time.sleep(0.2)
@@ -340,46 +338,3 @@ def test_a_forked_process_refuses_every_method():
     assert said == "([], '<Pipeline: created before fork, greedy>', 10)"
     assert code == "0"
     assert ended.lines[1] == "10 64"
-
-
-STEPS = ("push", "iterate", "flush", "stop", "leave")
-
-
-def test_pipelines_in_any_state_end_quietly():
-    """The reference implementation joins threads that never started: std::terminate."""
-    program = """if True:
-        import itertools, os, sys
-        import numpy as np
-        import asap
-        events = np.zeros(50, asap.EVENT_DTYPE)
-        kept = []
-
-        def walk(steps):
-            pipeline = asap.Pipeline(scheme=asap.FixedSize(size=7), latency_ms=1, capacity=64)
-            if "leave" in steps:
-                pipeline.__enter__()
-            if "push" in steps:
-                pipeline.push(events)
-            if "flush" in steps:
-                pipeline.flush()
-            if "iterate" in steps and "push" in steps:
-                next(iter(pipeline))  # the package stays in work
-            if "stop" in steps:
-                pipeline.stop()
-                list(pipeline)
-            if "leave" in steps:
-                pipeline.__exit__(None, None, None)
-            assert pipeline.ledger.balanced
-            return pipeline
-
-        for count in range(6):
-            for steps in itertools.combinations(sys.argv[1:], count):
-                kept.append(walk(steps))  # these are open, closed or in work when Python ends
-                del kept[:-20]
-        print("tasks", len(os.listdir("/proc/self/task")), flush=True)
-    """
-    said = run([sys.executable, "-c", program, *STEPS])
-    before = run(
-        [sys.executable, "-c", "import os, asap; print(len(os.listdir('/proc/self/task')))"]
-    )
-    assert said == f"tasks {before}"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import shutil
 import sqlite3
@@ -327,14 +326,6 @@ def test_streams_have_the_names_of_the_file() -> None:
     assert_equal_events(asap.load(path, stream="4"), asap.load(path, stream="Right"))
 
 
-def test_a_size_that_is_a_dataset_is_read_and_the_offset_added() -> None:
-    opened = asap.read(reported("size_as_datasets.h5"))
-    assert (opened.width, opened.height) == (346, 260)
-    expected = truth()
-    expected["t"] += 49_599_300_523
-    assert_equal_events(np.concatenate(list(opened)), expected)
-
-
 @pytest.mark.parametrize("place", ["events", "/"])
 @pytest.mark.parametrize("offset", [7_000, 7_000.0, [7_000]], ids=str)
 @pytest.mark.parametrize("is_attribute", [False, True])
@@ -347,11 +338,6 @@ def test_the_offset_of_the_times_is_added_wherever_it_stands(
     expected = EVENTS.copy()
     expected["t"] += 7_000
     assert_equal_events(asap.load(path), expected)
-
-
-def test_a_size_in_a_comment_is_read() -> None:
-    opened = asap.read(reported("geometry.csv"), order="xypt")
-    assert (opened.width, opened.height) == (346, 260)
 
 
 # ---- siblings of the rows ------------------------------------------------------------------------
@@ -533,14 +519,6 @@ def test_the_index_of_dsec_is_as_its_loader_reads_it(tmp_path: Path) -> None:
     assert filters == {"gzip"}
     assert first.tolist() == np.searchsorted(t, 1000 * np.arange(len(first))).tolist()
     assert 1000 * (len(first) - 1) > t[-1]
-
-
-def test_the_hash_of_the_scene() -> None:
-    columns = [
-        truth()[role].astype(kind).tobytes()
-        for role, kind in zip("txyp", ("<i8", "<u2", "<u2", "u1"), strict=True)
-    ]
-    assert hashlib.sha256(b"".join(columns)).hexdigest().startswith("118761ef")
 
 
 def test_every_verb_takes_several_files_and_a_window(tmp_path: Path) -> None:
