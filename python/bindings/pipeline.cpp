@@ -67,13 +67,13 @@ Its events are a read-only array in EVENT_DTYPE, valid as long as it is referenc
       .def_property_readonly(
           "t_first",
           [](const LivePackage& self) { return static_cast<const Event*>(self.events.data())->t; },
-          "Stamp of the oldest event, us.")
+          "Timestamp of the oldest event, us.")
       .def_property_readonly(
           "t_last",
           [](const LivePackage& self) {
             return static_cast<const Event*>(self.events.data())[self.events.size() - 1].t;
           },
-          "Stamp of the newest event, us.")
+          "Timestamp of the newest event, us.")
       .def_property_readonly(
           "lost_before", [](const LivePackage& self) { return self.package.lost_before(); },
           "Events lost (stale, overflow) since the package before.")

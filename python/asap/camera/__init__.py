@@ -457,7 +457,7 @@ class SoftwareCamera(Camera):
 
 
 def _by_arrival(packet: Packet) -> Iterator[tuple[Any, float]]:
-    """Divide a packet that a driver merged: an event came as long after the first as its stamp."""
+    """Divide a packet that a driver merged: events arrive as far apart as their timestamps."""
     events, begin_s = packet.events, packet.arrival_time
     age_us = round(1e6 * (time.monotonic() - begin_s))
     if len(events) < 2 or age_us < _STEP_US:

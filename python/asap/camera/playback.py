@@ -41,7 +41,7 @@ class Playback:
     Parameters
     ----------
     chunks
-        Events from time 0 on; their stamps never go back.
+        Events from time 0 on; their timestamps never go back.
     how
         Speed, loop, drop and packet_us of `asap.SoftwareCamera`.
     """

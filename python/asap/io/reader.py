@@ -90,7 +90,7 @@ class Losses:
     out_of_bounds: int = 0
     clamped_positions: int = 0
     before_start: int = 0  # events whose time is not known yet
-    stray: int = 0  # events whose stamps do not fit those around them
+    stray: int = 0  # events whose timestamps do not fit those around them
     bad_offsets: list[int] = field(default_factory=list)  # where the first bad records are
     triggers: int = 0
     trigger_arrays: list[npt.NDArray[np.void]] = field(default_factory=list)  # the first of them

@@ -318,7 +318,7 @@ class Recording:
         Yields
         ------
         numpy.ndarray
-            Shape (n,), n > 0, ``EVENT_DTYPE``: stamps may go back, pixels may lie outside the
+            Shape (n,), n > 0, ``EVENT_DTYPE``: timestamps may go back, pixels may lie outside the
             sensor; a polarity other than 0 and 1 is below 0 or above 1. Records that no event can
             hold are dropped and counted in `rejected` as ever, whatever `on_bad` is.
         """

@@ -71,7 +71,7 @@ class Inspection(Result):
     received, events : int
         All records, and the good ones among them.
     t_first_us : int or None
-        Stamp of the first good event, as the source has it.
+        Timestamp of the first good event, as the source has it.
     duration_s : float
         From the first to the last good event, clock resets bridged.
     on_share : float

@@ -40,7 +40,7 @@ struct Cluster {
   double cxy;           // px^2
   double cyy;           // px^2
   std::int64_t size;    // live events
-  std::int64_t t_last;  // us, stamp of its newest event
+  std::int64_t t_last;  // us, timestamp of its newest event
   // px^2, covariance of the error of x and y; infinite: the tracker does not know it.
   double pxx = std::numeric_limits<double>::infinity();
   double pxy = 0;

@@ -1,7 +1,7 @@
 // CornerDetector: labels each event of a stream as corner or not, by one of four published rules:
 // EFast, ArcStar, EHarris and FAHarris. All rules compare only events of one polarity. One thread
-// at a time. O(1) per event; no allocation after construction. A stamp that goes back by up to 1 s
-// counts as the latest one.
+// at a time. O(1) per event; no allocation after construction. A timestamp that goes back by up to
+// 1 s counts as the latest one.
 //
 //   EFast detector{{.width = 346, .height = 260}};
 //   std::vector<std::uint8_t> corners(events.size());
@@ -117,7 +117,7 @@ using EHarris = CornerDetector<EHarrisRule, EHarrisConfig>;
 // FAHarris has two steps: the arcs of Arc* propose, the Harris score decides. Both look only at the
 // first event of a burst. Events within 4 px of the border are ignored altogether. Source: Li, Shi,
 // Zhang, Li, Liu, "FA-Harris: A Fast and Asynchronous Corner Detector for Event Cameras", IROS
-// 2019, with the constants of its release; equal stamps are ordered by arrival.
+// 2019, with the constants of its release; equal timestamps are ordered by arrival.
 class FAHarrisRule;
 extern template class CornerDetector<FAHarrisRule, FAHarrisConfig>;
 using FAHarris = CornerDetector<FAHarrisRule, FAHarrisConfig>;

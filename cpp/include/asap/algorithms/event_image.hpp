@@ -2,8 +2,8 @@
 // channels of float: what convolutional networks take. One thread. O(1) per event; a complete image
 // costs one pass over the pixels. No allocation after construction.
 //
-// An image by count ends with its last event; one by period holds the stamps from one multiple of
-// the period to the next, and a period without events gives no image. Behind a discarder every
+// An image by count ends with its last event; one by period holds the timestamps from one multiple
+// of the period to the next, and a period without events gives no image. Behind a discarder every
 // event stands for 1 / gamma: images end as often as without it, and hold as much on average.
 // Source of the channels: Sanket et al., "EVDodgeNet", ICRA 2020; Zhu et al., "EV-FlowNet", RSS
 // 2018.
@@ -41,8 +41,8 @@ struct EventImageConfig {
 
 struct ImageView {
   std::span<const float> values;  // channel, row, column; valid until the next image
-  std::int64_t begin_us;          // the first stamp of an image by count
-  std::int64_t end_us;            // first stamp beyond; by count: 1 after the last
+  std::int64_t begin_us;          // the first timestamp of an image by count
+  std::int64_t end_us;            // first timestamp beyond; by count: 1 after the last
 };
 
 class EventImage {
@@ -59,8 +59,8 @@ class EventImage {
   EventImage& operator=(EventImage&& other) noexcept;
 
   // Calls on_image(ImageView) for each image that these events complete, and returns their number.
-  // Events outside the frame are dropped and counted. A stamp that goes back by at most a second
-  // counts as the latest one; a larger step back ends an image by period.
+  // Events outside the frame are dropped and counted. A timestamp that goes back by at most a
+  // second counts as the latest one; a larger step back ends an image by period.
   template <class OnImage>
   std::size_t process(EventSpan events, OnImage&& on_image) {
     std::size_t complete = 0;

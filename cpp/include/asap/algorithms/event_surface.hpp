@@ -1,6 +1,6 @@
 // EventSurface: a surface that every event changes around its pixel: ThresholdOrdinalSurface (TOS)
-// and SpeedInvariantTimeSurface (SITS). Blind to stamps and polarity: what counts is the order of
-// the events. One thread at a time. O(1) per event; no allocation after construction.
+// and SpeedInvariantTimeSurface (SITS). Blind to timestamps and polarity: what counts is the order
+// of the events. One thread at a time. O(1) per event; no allocation after construction.
 //
 //   ThresholdOrdinalSurface surface{{.width = 346, .height = 260}};
 //   surface.process(events);

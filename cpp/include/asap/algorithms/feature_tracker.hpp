@@ -4,7 +4,7 @@
 // scene. It then moves the first-created track within the radius to itself and ends the others
 // there; where there is none it begins a track. Tracks of which no event is remembered end with the
 // next supported event. One thread at a time. process() is O(1) per event, whatever the number of
-// tracks, and allocates nothing; all memory is taken in the constructor. A stamp that goes back
+// tracks, and allocates nothing; all memory is taken in the constructor. A timestamp that goes back
 // by up to 1 s counts as the latest one.
 // Source: the authors' release of the GRVC event feature tracker (grvc_ef_tracker), which the ASAP
 // papers use, with its launch values; the window's time, ids and velocities are ours.
@@ -49,7 +49,7 @@ struct FeatureTrack {
   double vx;             // px/s
   double vy;             // px/s
   std::int64_t size;     // corner events it took
-  std::int64_t t_first;  // us, stamp of the first of them
+  std::int64_t t_first;  // us, timestamp of the first of them
   std::int64_t t_last;   // us, of the newest
 };
 

@@ -4,8 +4,8 @@
 // followed. Where the flow does not cover the frame, mostly before a camera at rest, the answer is
 // "unknown". Depth and motion are not told apart: a thing much nearer than the background moves
 // unlike it. One thread at a time. O(1) per event,
-// O(flow events of 15 ms + cells) per 10 ms; allocates in the constructor only. A stamp that goes
-// back by up to 1 s counts as the latest one. Results do not depend on how the stream is cut.
+// O(flow events of 15 ms + cells) per 10 ms; allocates in the constructor only. A timestamp that
+// goes back by up to 1 s counts as the latest one. Results do not depend on how the stream is cut.
 // Source: own design; the residual of a global motion as in Vasco et al., "Independent Motion
 // Detection with Event-driven Cameras", ICAR 2017, which has corners instead of flow.
 //

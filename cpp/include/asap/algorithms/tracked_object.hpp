@@ -17,7 +17,7 @@ struct TrackedObject {
   double width;             // px
   double height;            // px
   std::int64_t size;        // live events
-  std::int64_t t_last;      // us, stamp of its newest event
+  std::int64_t t_last;      // us, timestamp of its newest event
   std::int64_t age_us;      // us, since it began
   double independent = -1;  // 0 to 1, whether it moves unlike the background; -1: not known
 };

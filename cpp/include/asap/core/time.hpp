@@ -1,7 +1,7 @@
 // Time inside a run: nanoseconds, int64, on the run's own axis. TimeAxis ties that axis to the
-// stamps of the recording. Its zero is the whole second before the first stamp, so that at speed 1
-// multiples of a period that divides a second are the same on both. Stamps are divided by `speed`
-// (2 = twice as fast).
+// timestamps of the recording. Its zero is the whole second before the first timestamp, so that at
+// speed 1 multiples of a period that divides a second are the same on both. Timestamps are divided
+// by `speed` (2 = twice as fast).
 #pragma once
 
 #include <algorithm>
@@ -28,7 +28,7 @@ class TimeAxis {
   TimeAxis(std::int64_t first_stamp_us, double speed) noexcept
       : zero_us_(floor_div(first_stamp_us, kSecond_us) * kSecond_us), ns_per_us_(1000.0 / speed) {}
 
-  // Run time of a stamp; saturates at about 290 years.
+  // Run time of a timestamp; saturates at about 290 years.
   std::int64_t to_ns(std::int64_t stamp_us) const noexcept {
     const double ns = static_cast<double>(stamp_us - zero_us_) * ns_per_us_;
     return static_cast<std::int64_t>(std::clamp(ns, -kLimit, kLimit));

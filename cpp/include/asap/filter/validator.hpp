@@ -1,13 +1,14 @@
-// Validator: the door of the library. Behind it stamps never go back, pixels lie inside the sensor
-// and polarity is 0 or 1; what does not fit is dropped, clamped or refused, and always counted.
+// Validator: the door of the library. Behind it timestamps never go back, pixels lie inside the
+// sensor and polarity is 0 or 1; what does not fit is dropped, clamped or refused, and always
+// counted.
 //
 // One thread (the producer's). O(n), no allocation after construction. A block without a fault
-// passes in place, without a copy; a block with one, or whose stamps are shifted, passes through a
-// fixed scratch buffer. A stamp that goes back by less than kNewEpoch_us is a fault; by more, the
-// sensor's clock was reset: a new epoch starts, and time continues one microsecond after the last
-// event. A validator that doubts resets believes one only after kStays stamps in a row confirm it;
-// fewer are faults. With a warm-up, events within it after the first one, or after such a reset,
-// are before the start.
+// passes in place, without a copy; a block with one, or whose timestamps are shifted, passes
+// through a fixed scratch buffer. A timestamp that goes back by less than kNewEpoch_us is a fault;
+// by more, the sensor's clock was reset: a new epoch starts, and time continues one microsecond
+// after the last event. A validator that doubts resets believes one only after kStays timestamps in
+// a row confirm it; fewer are faults. With a warm-up, events within it after the first one, or
+// after such a reset, are before the start.
 //
 //   Validator validator{{.width = 346, .height = 260}};
 //   validator.check(events, [&](EventSpan good) { tracker.process(good); });
@@ -34,7 +35,7 @@ struct Rejections {
   std::uint64_t nonmonotonic = 0;
   std::uint64_t out_of_bounds = 0;
   std::uint64_t bad_polarity = 0;
-  std::uint64_t bad_record = 0;    // unreadable, or a stamp beyond kMaxRawStamp_us
+  std::uint64_t bad_record = 0;    // unreadable, or a timestamp beyond kMaxRawStamp_us
   std::uint64_t before_start = 0;  // during the warm-up, also if something else is wrong
 
   std::uint64_t total() const noexcept {
@@ -46,8 +47,8 @@ struct Rejections {
 // Events that passed, but not as they came. One event may count in several fields.
 struct Repairs {
   std::uint64_t normalised_polarity = 0;  // p > 0 became 1, p < 0 became 0
-  std::uint64_t lifted_stamps = 0;        // set to the last stamp: tolerated disorder, OnBad::clamp
-  std::uint64_t clamped_positions = 0;    // moved to the edge of the sensor: OnBad::clamp
+  std::uint64_t lifted_stamps = 0;  // set to the last timestamp: tolerated disorder, OnBad::clamp
+  std::uint64_t clamped_positions = 0;  // moved to the edge of the sensor: OnBad::clamp
 
   friend bool operator==(const Repairs&, const Repairs&) = default;
 };
@@ -58,7 +59,7 @@ struct ValidatorConfig {
   OnBad on_bad = OnBad::drop;
   // Both count whole microseconds.
   std::chrono::nanoseconds
-      reorder_tolerance{};                    // a stamp that goes back by this is lifted, not bad
+      reorder_tolerance{};  // a timestamp that goes back by this is lifted, not bad
   std::chrono::nanoseconds warmup_discard{};  // what a camera sends first may be of the run before
 };
 
@@ -66,7 +67,7 @@ class Validator {
  public:
   // Times beyond +-2^52 us (142 years) would overflow when counted in nanoseconds.
   static constexpr std::int64_t kMaxStamp_us = std::int64_t{1} << 52;
-  // A stamp as it comes stays below by 35 years, so that time can continue after a damaged one.
+  // A timestamp as it comes stays below by 35 years, so that time can continue after a damaged one.
   static constexpr std::int64_t kMaxRawStamp_us = kMaxStamp_us - (std::int64_t{1} << 50);
   static constexpr std::int64_t kNewEpoch_us = 1'000'000;
 
@@ -99,13 +100,13 @@ class Validator {
     if (events.size() > run) sink(events.subspan(run));
   }
 
-  // For live events, among which a few stamps may be stray. The first events of a reset are dropped
-  // if those that confirm it come with a later check().
+  // For live events, among which a few timestamps may be stray. The first events of a reset are
+  // dropped if those that confirm it come with a later check().
   void doubt_resets() noexcept { doubts_resets_ = config_.on_bad != OnBad::raise; }
   static constexpr std::size_t kStays = 32;
 
-  // The sensor's clock begins anew with this stamp, whatever it is: time continues 1 us after the
-  // last event. Nothing happens before the first event.
+  // The sensor's clock begins anew with this timestamp, whatever it is: time continues 1 us after
+  // the last event. Nothing happens before the first event.
   void begin_epoch(std::int64_t first_us) noexcept;
 
   // received() = events sunk + rejected().total()
@@ -114,10 +115,10 @@ class Validator {
   const Repairs& repaired() const noexcept { return repairs_; }
   std::uint64_t normalised_polarity() const noexcept { return repairs_.normalised_polarity; }
 
-  // Stamp of the last event that passed; meaningless before the first.
+  // Timestamp of the last event that passed; meaningless before the first.
   std::int64_t last_us() const noexcept { return last_us_; }
 
-  // Epochs: how often the sensor's clock began anew, and what is now added to its stamps.
+  // Epochs: how often the sensor's clock began anew, and what is now added to its timestamps.
   std::uint64_t clock_resets() const noexcept { return clock_resets_; }
   std::int64_t clock_offset_us() const noexcept { return clock_offset_us_; }
 
@@ -151,9 +152,9 @@ class Validator {
   std::uint32_t max_x_;
   std::uint32_t max_y_;
   static constexpr std::int64_t kNone_us = -kMaxRawStamp_us;
-  std::int64_t last_us_ = kNone_us;  // stamp of the last event that passed
+  std::int64_t last_us_ = kNone_us;  // timestamp of the last event that passed
   bool warming_up_;
-  std::int64_t warm_up_first_us_ = kMaxStamp_us;  // the warm-up counts from this stamp
+  std::int64_t warm_up_first_us_ = kMaxStamp_us;  // the warm-up counts from this timestamp
   std::int64_t warm_up_last_us_ = kMaxStamp_us;
   bool doubts_resets_ = false;
   std::size_t far_back_ = 0;  // in a row, at the end of what has come

@@ -1,7 +1,7 @@
 // Encoder: events as the bytes of a file: Prophesee EVT3, Event Stream, or csv.
 //
-// One thread. header() comes first, then what encode() writes, call after call. Stamps stay as they
-// are: EVT3 and Event Stream count from 0, and bridge a long gap by records that only advance
+// One thread. header() comes first, then what encode() writes, call after call. Timestamps stay as
+// they are: EVT3 and Event Stream count from 0, and bridge a long gap by records that only advance
 // the time; encode() writes as many of them as there is room for. O(events + bytes). No allocation
 // but in header() and for an error.
 //
@@ -42,7 +42,7 @@ class Encoder {
 
   // Encodes from the front of `events` until one of them ends. Returns the bytes written and the
   // events consumed. Throws std::invalid_argument that names the event if the format cannot hold
-  // it, for example because its stamp goes back. The bytes of that call are then lost.
+  // it, for example because its timestamp goes back. The bytes of that call are then lost.
   Progress encode(std::span<const Event> events, std::span<std::byte> bytes);
 
   // Encodes an external trigger, which is no older than the last event; its id is below 16. For
@@ -62,7 +62,7 @@ class Encoder {
   // What an encoder remembers between two calls.
   struct State {
     std::int64_t t = 0;  // us, as a reader knows it from the bytes so far
-    std::int64_t last_t = std::numeric_limits<std::int64_t>::min();  // stamp of the last event
+    std::int64_t last_t = std::numeric_limits<std::int64_t>::min();  // timestamp of the last event
     std::uint64_t events = 0;
     std::uint32_t y = 1u << 16;  // the row that stands in the bytes; none yet
     bool started = false;        // a time stands in the bytes

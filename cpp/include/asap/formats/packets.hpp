@@ -49,7 +49,7 @@ class MonoDecoder : public NativeDecoder<MonoDecoder, PacketConfig, 8> {
   std::uint64_t base_rest_ns_ = 0;
 };
 
-// Records with a negative stamp are bad.
+// Records with a negative timestamp are bad.
 class LibcaerDecoder : public NativeDecoder<LibcaerDecoder, PacketConfig, 8> {
  public:
   static constexpr std::size_t kMaxPerRecord = 1;
@@ -64,7 +64,7 @@ class LibcaerDecoder : public NativeDecoder<LibcaerDecoder, PacketConfig, 8> {
 
   std::size_t decode_words(const std::byte* first, std::size_t count, Output& out) noexcept;
 
-  std::int64_t base_us_ = 0;  // base of the stamps that follow; grows where they wrap
+  std::int64_t base_us_ = 0;  // base of the timestamps that follow; grows where they wrap
   std::int32_t last_stamp_ = 0;
 };
 

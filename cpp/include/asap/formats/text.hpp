@@ -4,7 +4,7 @@
 // Columns are separated by blanks, tabs, commas or semicolons; empty lines and lines that begin
 // with '#' or '%' are skipped. A line that is not an event is counted with its byte offset, never
 // thrown. O(bytes); allocates only in a vector that it fills. Polarity passes as it is written,
-// within 16 bits, and stamps as they come: order, sensor size and polarity are the Validator's.
+// within 16 bits, and timestamps as they come: order, sensor size and polarity are the Validator's.
 //
 //   TextDecoder decoder;
 //   decoder.decode(bytes, events);

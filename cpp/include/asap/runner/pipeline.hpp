@@ -11,7 +11,7 @@
 //   Pipeline pipeline{scheme, {.latency = 10ms}};
 //   pipeline.run([&](EventSpan events) { tracker.process(events); });     // until stop()
 //
-// An event's age counts from its push (or the arrival time given with it), not from its stamp.
+// An event's age counts from its push (or the arrival time given with it), not from its timestamp.
 #pragma once
 
 #include <chrono>
@@ -76,12 +76,12 @@ class Pipeline {
   // For WhenFull::block: `poll` is called every 20 ms while push waits for room; it may throw.
   bool push(EventSpan events, Arrival arrival, const Poll& poll);
 
-  // The camera's clock begins anew with this stamp, whatever it is, as after a restart of its
+  // The camera's clock begins anew with this timestamp, whatever it is, as after a restart of its
   // driver: time continues 1 us after the last event. Ignored after stop() and before an event.
   void begin_epoch(std::int64_t first_us) noexcept;
 
-  // The offset that is added to the camera's stamps after the last push or begin_epoch(), us. Any
-  // thread.
+  // The offset that is added to the camera's timestamps after the last push or begin_epoch(), us.
+  // Any thread.
   std::int64_t clock_offset_us() const noexcept;
 
   // The driver has lost events before they came here.

@@ -75,7 +75,7 @@ struct RunStats {
   LatencyHistogram latency{};  // per delivered event, to the end of its package
   PackageTotals packages{};
   // The longest time between two delivered events in a row with a loss between, us: of wall time in
-  // a replay, else of stamps.
+  // a replay, else of timestamps.
   std::int64_t gap_us = 0;
   std::uint64_t clock_resets = 0;
   bool failed = false;  // the run has ended by an exception of the algorithm, the source or a poll

@@ -1,5 +1,5 @@
-// Simulator: a run in virtual time. Events arrive at their stamps, a package costs what the cost
-// model says, and the algorithm, if there is one, gets each package as it ends, without being
+// Simulator: a run in virtual time. Events arrive at their timestamps, a package costs what the
+// cost model says, and the algorithm, if there is one, gets each package as it ends, without being
 // timed. One thread, no clock: the same seed and the same input give the same bytes, however the
 // input is cut into chunks, faster than real time. Memory stays flat but for the rows of the logs.
 //

@@ -6,11 +6,11 @@
 //   static int reach(const Config& config);  // rows; Config has `width` and `height`
 //   using Answer = ...;                      // if it has process(events, std::span<Answer>)
 //
-// and with process(events), set_gamma, reset, rejected and config. Its state may count stamps and
-// pixels, not events: those of other rows are missing. With process(events, answers, places) too,
-// see PlaneFlow, it is asked for no answer twice. One thread at a time calls it; the others are its
-// own. Whether they are worth their meeting is measured, by the size of the package. No allocation
-// after construction.
+// and with process(events), set_gamma, reset, rejected and config. Its state may count timestamps
+// and pixels, not events: those of other rows are missing. With process(events, answers, places)
+// too, see PlaneFlow, it is asked for no answer twice. One thread at a time calls it; the others
+// are its own. Whether they are worth their meeting is measured, by the size of the package. No
+// allocation after construction.
 #pragma once
 
 #include <algorithm>
@@ -48,7 +48,7 @@ class Bands {
     int high;
   };
 
-  // What a band sees of a package, in its own coordinates; stamps never go back.
+  // What a band sees of a package, in its own coordinates; timestamps never go back.
   struct Part {
     std::size_t band;
     EventSpan events;

@@ -51,7 +51,7 @@ struct PoissonArrivalsConfig {
   std::int32_t width = 346;
   std::int32_t height = 260;
   std::chrono::microseconds duration{5'000'000};
-  std::chrono::microseconds start{};  // stamp from which times count
+  std::chrono::microseconds start{};  // timestamp from which times count
   double noise = 0.2;                 // sigma of the logarithm of the rate
   std::uint64_t seed = 0;
 };
@@ -89,7 +89,7 @@ struct ShakenPatternConfig {
   std::int32_t width = 346;
   std::int32_t height = 260;
   std::chrono::microseconds duration{5'000'000};
-  std::chrono::microseconds start{};  // stamp from which times count
+  std::chrono::microseconds start{};  // timestamp from which times count
   double first_rate_hz = 0.1e6;       // events per second of the print, at the start ...
   double last_rate_hz = 13e6;         // ... and at the end
   double amplitude_px = 18.0;         // longer half-axis of the shake at the end
@@ -123,7 +123,7 @@ struct FlightOverChairsConfig {
   std::int32_t width = 346;
   std::int32_t height = 260;
   std::chrono::microseconds duration{4'000'000};
-  std::chrono::microseconds start{};  // stamp from which times count
+  std::chrono::microseconds start{};  // timestamp from which times count
   double last_rate_hz = 1.8e6;        // events per second of the chairs at the end; sets the speed
   double chair_px = 40.0;             // width of a chair
   double noise_hz = 0.1;              // background events per second and pixel

@@ -42,9 +42,9 @@ struct Ledger {
   }
 };
 
-// What became of the events of 1 ms of stamps (Simulator::slots).
+// What became of the events of 1 ms of timestamps (Simulator::slots).
 struct Slot {
-  std::int64_t slot;            // stamps of [slot, slot + 1) ms
+  std::int64_t slot;            // timestamps of [slot, slot + 1) ms
   std::int64_t received;        // events
   std::int64_t delivered;       // events
   std::int64_t latency_max_ns;  // of the delivered ones

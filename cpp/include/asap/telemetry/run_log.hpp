@@ -91,7 +91,7 @@ class RunLog {
     begin(blocks_[0]);
   }
 
-  // Where stamps lie in run time; before a row is read.
+  // Where timestamps lie in run time; before a row is read.
   void set_axis(TimeAxis axis) noexcept { axis_ = axis; }
 
   // Makes room for the next append(); allocates one block in kBlockRows calls.
