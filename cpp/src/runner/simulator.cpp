@@ -10,6 +10,7 @@
 #include "core/made.hpp"
 #include "runner/admission.hpp"
 #include "runner/run.hpp"
+#include "schemes/scheme_hold.hpp"
 #include "telemetry/slot_log.hpp"
 
 namespace asap::inline v0_1 {
@@ -41,6 +42,9 @@ class Simulator::Impl {
   std::int64_t busy_ns() const noexcept { return busy_ns_; }
 
  private:
+  // What may end the run by an exception.
+  template <class Work>
+  void guard(const Work& work);
   Run::Outside outside() const noexcept;
   void receive(EventSpan good);
   void drain();
@@ -67,6 +71,7 @@ class Simulator::Impl {
   const CostFunction function_;
   const Consumer consumer_;
   const double speed_;
+  SchemeHold hold_;  // from the first event to the end of the run
   Run run_;
   SlotLog slots_;
   std::optional<AdmissionGate> gate_;
@@ -95,7 +100,9 @@ Simulator::Impl::Impl(Scheme& scheme, SimulatedCost cost, const RunConfig& confi
                                                          : std::get<CostFunction>(cost)),
       consumer_(std::move(consumer)),
       speed_(speed),
+      hold_(scheme),
       run_(scheme, config, Run::Source::recording) {
+  hold_.release();
   if (std::holds_alternative<CostFunction>(cost) && !function_) {
     throw_bad_value("cost", "none", "give the us that n events take");
   }
@@ -105,19 +112,31 @@ Simulator::Impl::Impl(Scheme& scheme, SimulatedCost cost, const RunConfig& confi
   gate_.emplace(*admission, config.seed ^ kAdmissionSeed);
 }
 
+template <class Work>
+void Simulator::Impl::guard(const Work& work) {
+  hold_.take();
+  try {
+    run_.guard(work);
+  } catch (...) {
+    hold_.release();
+    throw;
+  }
+}
+
 void Simulator::Impl::feed(EventSpan events) {
-  run_.guard([&] { run_.validator().check(events, [this](EventSpan good) { receive(good); }); });
+  guard([&] { run_.validator().check(events, [this](EventSpan good) { receive(good); }); });
 }
 
 void Simulator::Impl::run(EventSource& source) {
-  run_.guard([&] {
+  guard([&] {
     for (EventSpan chunk = source.next(); !chunk.empty(); chunk = source.next()) feed(chunk);
     finish();
   });
 }
 
 void Simulator::Impl::finish() {
-  run_.guard([this] { drain(); });
+  guard([this] { drain(); });
+  hold_.release();
 }
 
 void Simulator::Impl::drain() {

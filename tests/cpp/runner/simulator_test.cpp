@@ -8,6 +8,7 @@
 #include <memory>
 #include <set>
 #include <span>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -93,6 +94,23 @@ TEST(Simulator, APackageInWorkHoldsItsPlaceInTheRing) {
                                                   {330, 110, 300, 300, 1}}));
   EXPECT_EQ(simulator.log()[1].overflow, 2);
   EXPECT_EQ(simulator.ledger(), (Ledger{.received = 6, .overflow = 2, .delivered = 4}));
+}
+
+TEST(Simulator, ASchemeServesOneRunAtATime) {
+  Greedy scheme;
+  Simulator first(scheme, slow());
+  Simulator second(scheme, slow());
+  first.feed(kSmall);
+  EXPECT_THROW(second.feed(kSmall), std::logic_error);
+  EXPECT_THROW(Simulator(scheme, slow()), std::logic_error);
+  first.finish();
+  second.feed(kSmall);
+  second.finish();
+  EXPECT_EQ(rows_of(first), rows_of(second));
+  const auto fail = [](std::size_t, double) -> double { throw std::runtime_error("no cost"); };
+  Simulator failed(scheme, fail);
+  EXPECT_THROW(failed.feed(kSmall), std::runtime_error);
+  EXPECT_NO_THROW(Simulator(scheme, slow()));
 }
 
 TEST(Simulator, OfNothingIsNothing) {

@@ -92,7 +92,8 @@ using SimulatedCost = std::variant<LinearCost, CostFunction>;
 
 class Simulator {
  public:
-  // The scheme outlives the simulator. `speed`: as in ReplayConfig.
+  // The scheme outlives the simulator and serves one run at a time, from the first event to
+  // finish(): meanwhile another run with it throws std::logic_error. `speed`: as in ReplayConfig.
   Simulator(Scheme& scheme, SimulatedCost cost, RunConfig config = {}, Consumer consumer = {},
             double speed = 1.0);
   ~Simulator();
