@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cctype>
 #include <cerrno>
 #include <fstream>
 #include <optional>
@@ -21,19 +22,77 @@ namespace {
 
 using Bytes = std::span<const std::byte>;
 
+// The columns of a header line. "time [s]" is one name.
+std::vector<std::string> names_in(std::string_view line) {
+  std::vector<std::string> names;
+  for (const char character : line) {
+    const auto lower = static_cast<char>(std::tolower(static_cast<unsigned char>(character)));
+    const bool separates = std::string_view(",; \t\r").find(lower) != std::string_view::npos;
+    if (names.empty() || (separates && !names.back().empty())) names.emplace_back();
+    if (lower == '[' && names.back().empty() && names.size() > 1) names.pop_back();
+    if (!separates && lower != '"') names.back() += lower;
+  }
+  if (!names.empty() && names.back().empty()) names.pop_back();
+  return names;
+}
+
+// The letter of TextConfig::order for a column of this name, '-' for another.
+char letter_of(std::string_view name) {
+  if (name == "on") return 'p';
+  const char first = name.empty() ? '-' : name.front();
+  return std::string_view("txyp").find(first) == std::string_view::npos ? '-' : first;
+}
+
+// The exponent that the name of a column of times states, as "t_us" and "time[s]" do.
+int exponent_of(std::string_view name, int otherwise) {
+  const auto end = name.find_last_not_of("])_");
+  const auto unit = name.substr(0, end + 1);
+  const auto before = unit.find_last_of("[(_");
+  if (before == std::string_view::npos) return otherwise;
+  const std::string_view stated = unit.substr(before + 1);
+  for (const auto& [known, exponent] :
+       {std::pair{"s", 6}, std::pair{"ms", 3}, std::pair{"us", 0}, std::pair{"ns", -3}}) {
+    if (stated == known) return exponent;
+  }
+  return otherwise;
+}
+
+// Refuses a header that names other columns or another unit than the configuration.
+void check_header(const std::filesystem::path& path, const std::string& line,
+                  const TextConfig& config) {
+  const std::vector<std::string> names = names_in(line);
+  const std::string where = "the header of " + path.string() + " says '" + line + "'. ";
+  for (std::size_t i = 0; i < std::min(names.size(), config.order.size()); ++i) {
+    const char wanted = config.order[i];
+    const char found = letter_of(names[i]);
+    if (wanted == '-' || found == '-') continue;
+    if (wanted != found) {
+      std::string order;
+      for (const std::string& name : names) order += letter_of(name);
+      throw_bad_value("text.order", "'" + config.order + "'", where + "Give '" + order + "'");
+    }
+    if (wanted != 't') continue;
+    const int exponent = exponent_of(names[i], config.time_exponent);
+    require(exponent == config.time_exponent, "text.time_exponent", config.time_exponent,
+            where + "Give " + std::to_string(exponent));
+  }
+}
+
 // A first line that begins with a letter names the columns.
-std::uint64_t text_start(const std::filesystem::path& path) {
+std::uint64_t text_start(const std::filesystem::path& path, const TextConfig& config) {
   std::ifstream file(path);
   if (!file) throw std::system_error(errno, std::generic_category(), path.string());
   std::string line;
   std::getline(file, line);
   const int lower = line.empty() ? 0 : line.front() | 0x20;
   if (lower < 'a' || lower > 'z') return 0;
+  check_header(path, line.substr(0, line.find('\r')), config);
   return line.size() + (file.eof() ? 0 : 1);
 }
 
 bool is_text(const std::filesystem::path& path, const RecordingConfig& config) {
-  const std::string name = path.extension().string();
+  std::string name = path.extension().string();
+  std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::tolower(c); });
   return config.format == "text" || (config.format.empty() && (name == ".csv" || name == ".txt"));
 }
 
@@ -95,7 +154,7 @@ RecordingSource::Impl::Impl(const std::filesystem::path& its_path, RecordingConf
     width = opened->streams.empty() ? opened->width : opened->streams[stream].width;
     height = opened->streams.empty() ? opened->height : opened->streams[stream].height;
   } else if (is_text(path, config)) {
-    config.text.first_offset = start = text_start(path);
+    config.text.first_offset = start = text_start(path, config.text);
     text.emplace(config.text);
   } else {
     throw_bad_value("path", path.string(),
@@ -149,6 +208,15 @@ int RecordingSource::height() const noexcept { return impl_->height; }
 
 std::uint64_t RecordingSource::bad_records() const noexcept {
   return impl_->with_decoder([](const auto& decoder) { return decoder.bad_records(); });
+}
+
+std::uint64_t RecordingSource::out_of_bounds() const noexcept {
+  return impl_->text ? impl_->text->out_of_bounds() : 0;
+}
+
+std::uint64_t RecordingSource::before_start() const noexcept {
+  return impl_->words ? std::visit([](const auto& d) { return d.before_start(); }, *impl_->words)
+                      : 0;
 }
 
 bool RecordingSource::is_cut() const noexcept { return impl_->is_cut; }

@@ -169,6 +169,40 @@ TEST(RecordingSource, TakesWhatTheFileDoesNotSay) {
   EXPECT_NO_THROW((RecordingSource{words.path, config}));
 }
 
+TEST(RecordingSource, RefusesAHeaderThatNamesOtherColumnsOrAnotherUnit) {
+  const struct {
+    const char* header;
+    const char* order;
+    int time_exponent;
+    const char* fault;
+  } headers[] = {
+      {"t,x,y,p", "txyp", 0, "nothing was thrown"},
+      {"Time [us]; X; Y; Polarity\r", "txyp", 0, "nothing was thrown"},
+      {"timestamp_us x y on", "txyp", 0, "nothing was thrown"},
+      {"t(s),x,y,p", "txyp", 6, "nothing was thrown"},
+      {"track_id,t_us,x,y", "-txy", 0, "nothing was thrown"},
+      {"x,y,p,t", "txyp", 0, "text.order = 'txyp': the header"},
+      {"t_us,y,x,p", "txyp", 0, "text.order = 'txyp': the header"},
+      {"t_us,x,y,p", "txyp", 6, "text.time_exponent = 6: the header"},
+      {"time [ns],x,y,p", "txyp", 0, "text.time_exponent = 0: the header"},
+  };
+  for (const auto& [header, order, time_exponent, fault] : headers) {
+    SCOPED_TRACE(header);
+    Bytes bytes;
+    decoding::append(bytes, header + std::string("\n1,2,3,1\n5,80000,80000,80000\n"));
+    const File file("named.CSV", bytes);
+    RecordingConfig config;
+    config.text.order = order;
+    config.text.time_exponent = time_exponent;
+    const std::string error = test::error_of([&] {
+      RecordingSource recording(file.path, config);
+      EXPECT_EQ(read_all(recording).size(), 1u);
+      EXPECT_EQ(recording.out_of_bounds(), 1u);
+    });
+    EXPECT_EQ(error.find(fault), 0u) << error;
+  }
+}
+
 TEST(RecordingSource, SaysThatTheFileIsCut) {
   Bytes bytes = encoded(Encoding::evt3);
   bytes.pop_back();

@@ -30,7 +30,8 @@ struct RecordingConfig {
 class RecordingSource final : public EventSource {
  public:
   // Opens the file and reads its header. Throws std::system_error where it cannot be read, and
-  // std::invalid_argument, with the file's path and format, where it has no decoder.
+  // std::invalid_argument, with the file's path, where it has no decoder, or where a header names
+  // other columns or another unit than config.text.
   explicit RecordingSource(const std::filesystem::path& path, RecordingConfig config = {});
   ~RecordingSource() override;
 
@@ -42,8 +43,11 @@ class RecordingSource final : public EventSource {
   int width() const noexcept;
   int height() const noexcept;
 
-  // Bad records so far.
+  // So far: bad records; lines of text with a position beyond 16 bits; records of RAW before the
+  // first one that tells the time. None of them is in the ledger of a run.
   std::uint64_t bad_records() const noexcept;
+  std::uint64_t out_of_bounds() const noexcept;
+  std::uint64_t before_start() const noexcept;
   // At the end: the file ends inside a record, or zeros fill it to its end, which were not read.
   bool is_cut() const noexcept;
 
