@@ -11,11 +11,11 @@
 
 #include "core/check.hpp"
 #include "core/event_clock.hpp"
+#include "runner/process.hpp"
 #include "runner/system.hpp"
 
 #if defined(__linux__)
 #include <pthread.h>
-#include <unistd.h>
 #endif
 
 namespace asap::inline v0_1::detail {
@@ -38,15 +38,6 @@ void wait_while(std::atomic<std::uint32_t>& word, std::uint32_t value) noexcept 
   }
 }
 
-// A process that forked has no workers: they stay with its parent.
-std::int64_t this_process() noexcept {
-#if defined(__linux__)
-  return getpid();
-#else
-  return 0;
-#endif
-}
-
 void name_this_thread(int number) noexcept {
 #if defined(__linux__)
   pthread_setname_np(pthread_self(), ("asap-tiled-" + std::to_string(number)).c_str());
@@ -63,6 +54,7 @@ class Bands::Impl {
       : width_(static_cast<std::uint32_t>(width)), work_(std::move(work)) {
     require(1 <= config.threads && config.threads <= kMostThreads, "threads", config.threads,
             "must be 1 to 64");
+    require(reach >= 0, "reach", reach, "must be 0 or more rows");
     const int room = height / std::max(1, 2 * reach);
     const int count =
         config.threads == 1 ? 1 : std::clamp(room, 1, kBandsPerThread * config.threads);
@@ -101,7 +93,12 @@ class Bands::Impl {
   void start() {
     left_.store(workers(), std::memory_order_relaxed);
     for (std::size_t number = 1; number < lanes_.size(); ++number) {
-      workers_.emplace_back([this, number] { live(number); });
+      try {
+        workers_.emplace_back([this, number] { live(number); });
+      } catch (const std::system_error& refused) {
+        throw std::system_error(refused.code(), "threads = " + std::to_string(lanes_.size()) +
+                                                    ": the system refuses one; ask for fewer");
+      }
     }
     wait_for_workers();
     rethrow();
@@ -409,8 +406,8 @@ void Bands::process(EventSpan events, std::size_t package) { impl_->process(even
 void Bands::reset() noexcept { impl_->reset(); }
 std::uint64_t Bands::rejected() const noexcept { return impl_->rejected(); }
 
-void refuse_answers(std::size_t answers) {
-  throw_bad_value("answers.size()", std::to_string(answers), "must be the number of events");
+void refuse_size(const char* field, std::size_t size, const char* remedy) {
+  throw_bad_value(field, std::to_string(size), remedy);
 }
 
 }  // namespace asap::inline v0_1::detail

@@ -76,6 +76,19 @@ class Neighbours {
   std::uint64_t rejected_ = 0;
 };
 
+// Those of a user who looks at the last event of a call.
+struct NeverIdle : Neighbours {
+  using Neighbours::Neighbours;
+  void process(EventSpan events, std::span<Answer> answers) {
+    if (events.empty()) throw std::logic_error("called without an event");
+    Neighbours::process(events, answers);
+  }
+};
+struct ReachesBack : Neighbours {
+  using Neighbours::Neighbours;
+  static int reach(const Config&) { return -1; }
+};
+
 template <class A>
 typename A::Config sized(int width, int height) {
   typename A::Config config{.width = width, .height = height};
@@ -304,6 +317,21 @@ TEST(Tiled, RefusesBadValues) {
   const std::vector<Event> events(3);
   std::vector<std::uint8_t> two(2);
   EXPECT_THROW(tiled.process(events, std::span(two)), std::invalid_argument);
+  EXPECT_THROW(Tiled<ReachesBack>({.width = 40, .height = 30}, {.threads = 2}),
+               std::invalid_argument);
+  for (const int threads : {1, 2}) {
+    const Tiled<ThresholdOrdinalSurface> surface({.width = 40, .height = 30}, {.threads = threads});
+    EXPECT_THROW(surface.copy_to(std::span(two)), std::invalid_argument);
+  }
+}
+
+TEST(Tiled, CallsNoAlgorithmWithoutAnEvent) {
+  Tiled<NeverIdle> tiled({.width = 8, .height = 64}, {.threads = 4});
+  std::vector<NeverIdle::Answer> answers(1);
+  for (int i = 0; i < 200; ++i) {  // by one thread, and by all
+    const Event event{.x = 1, .y = static_cast<std::uint16_t>(i % 64), .p = 1, .t = i};
+    EXPECT_NO_THROW(tiled.process({&event, 1}, std::span(answers)));
+  }
 }
 
 TEST(Tiled, WhatAWorkerThrowsComesOutAndTheStateIsLostUntilReset) {

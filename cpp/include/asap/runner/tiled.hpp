@@ -6,11 +6,16 @@
 //   static int reach(const Config& config);  // rows; Config has `width` and `height`
 //   using Answer = ...;                      // if it has process(events, std::span<Answer>)
 //
-// and with process(events), set_gamma, reset, rejected and config. Its state may count timestamps
-// and pixels, not events: those of other rows are missing. With process(events, answers, places)
-// too, see PlaneFlow, it is asked for no answer twice. One thread at a time calls it; the others
-// are its own. Whether they are worth their meeting is measured, by the size of the package. No
-// allocation after construction.
+// and with process(events), set_gamma, reset, rejected and config. It looks at differences of rows
+// and of times alone, and takes a timestamp that goes back for the latest one: y counts from the
+// first row that its band sees, times begin at 1 or later and never go back. Its state may count
+// timestamps and pixels, not events: those of other rows are missing. With process(events, answers,
+// places) too, see PlaneFlow, it is asked for no answer twice. One thread, or a frame too low for
+// two bands, is the algorithm itself, called as it is.
+//
+// One thread at a time calls it; the others are its own. Whether they are worth their meeting is
+// measured, by the size of the package. No allocation after construction; beside the instances it
+// takes 0.7 MB for each thread.
 #pragma once
 
 #include <algorithm>
@@ -19,6 +24,7 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -72,7 +78,7 @@ class Bands {
   std::unique_ptr<Impl> impl_;
 };
 
-[[noreturn]] void refuse_answers(std::size_t answers);
+[[noreturn]] void refuse_size(const char* field, std::size_t size, const char* remedy);
 
 template <class A>
 struct AnswerOf {
@@ -99,6 +105,7 @@ class Tiled {
  public:
   using Config = typename A::Config;
   using Answer = typename detail::AnswerOf<A>::Type;
+  static_assert(!std::is_same_v<Answer, bool>, "Answer: a vector of bool is no array; use uint8_t");
 
   // Throws std::invalid_argument that names the bad field, std::system_error for a thread that the
   // system refuses, and what on_worker_start throws.
@@ -118,7 +125,7 @@ class Tiled {
   Tiled& operator=(const Tiled&) = delete;
 
   // Events outside the frame are dropped and counted. Throws what the algorithm throws, on
-  // whichever thread; then the state is lost: std::runtime_error until reset().
+  // whichever of several threads; then the state is lost: std::runtime_error until reset().
   void process(EventSpan events)
     requires(!kFilters)
   {
@@ -131,7 +138,9 @@ class Tiled {
   void process(EventSpan events, std::span<Answer> answers)
     requires(kAnswers && !kFilters)
   {
-    if (answers.size() != events.size()) detail::refuse_answers(answers.size());
+    if (answers.size() != events.size()) {
+      detail::refuse_size("answers.size()", answers.size(), "must be the number of events");
+    }
     if (is_one()) return static_cast<void>(one().process(events, answers));
     in_parts(events, [&](EventSpan part, std::size_t) {
       process(part, answers.subspan(static_cast<std::size_t>(part.data() - events.data())), 0);
@@ -154,11 +163,15 @@ class Tiled {
     return passed;
   }
 
-  // A surface, row by row; out.size() is width x height.
+  // A surface, row by row. Throws std::invalid_argument unless out.size() is width x height.
   template <class Value>
   void copy_to(std::span<Value> out) const
     requires requires(const A& a) { a.at(0, 0); }
   {
+    if (out.size() !=
+        static_cast<std::size_t>(config_.width) * static_cast<std::size_t>(config_.height)) {
+      detail::refuse_size("out.size()", out.size(), "must be width x height");
+    }
     auto to = out.begin();
     for (std::size_t i = 0; i < instances_.size(); ++i) {
       const auto& [first, end, low, high] = bands_.all()[i];
@@ -220,6 +233,7 @@ class Tiled {
   }
 
   void work(const detail::Bands::Part& part) {
+    if (!kFilters && part.events.empty()) return;
     auto& [algorithm, all] = *instances_[part.band];
     if constexpr (kPlaces) {
       algorithm.process(part.events, answers_, part.places);
