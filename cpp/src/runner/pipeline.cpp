@@ -21,6 +21,7 @@
 #include "runner/doorbell.hpp"
 #include "runner/intake.hpp"
 #include "runner/prefault.hpp"
+#include "runner/process.hpp"
 #include "runner/push_door.hpp"
 #include "runner/run.hpp"
 #include "runner/sensor_delay.hpp"
@@ -95,6 +96,10 @@ struct Pipeline::Impl {
   void begin();
   void set_to_work();
   void require_another_thread() const;
+  // This process has forked, and the worker stayed with its parent.
+  bool is_elsewhere() const noexcept {
+    return workers_process != 0 && workers_process != this_process();
+  }
   void require_no_worker() const;
   void take_scheme();
   void finish() noexcept;
@@ -128,6 +133,7 @@ struct Pipeline::Impl {
   std::condition_variable ended;
   std::atomic<bool> has_stack{false};  // the worker: of RunConfig::prefault
   std::thread worker;
+  std::atomic<std::int64_t> workers_process{0};  // 0: no worker
 };
 
 // The consumer's side has one guest at a time.
@@ -240,6 +246,10 @@ Pipeline::Impl::Impl(std::unique_ptr<Scheme> made_scheme, Scheme& its_scheme, Ru
 
 Pipeline::Impl::~Impl() {
   stop(false);
+  if (is_elsewhere()) {
+    worker.detach();
+    return;
+  }
   door.wait_until_empty();
   if (worker.joinable()) worker.join();
   while (seat.load(std::memory_order_acquire) != Seat::free) std::this_thread::sleep_for(kLook);
@@ -415,6 +425,7 @@ void Pipeline::Impl::set_to_work() {
     abandon();
   };
   works = true;
+  workers_process = this_process();
   has_stack = false;
   try {
     worker = std::thread([this] {
@@ -475,8 +486,13 @@ bool Pipeline::join_for(std::chrono::nanoseconds timeout) {
 }
 
 void Pipeline::Impl::require_another_thread() const {
-  if (worker_of != this) return;
-  throw std::logic_error("pipeline: the worker cannot wait for itself; stop() is enough");
+  if (worker_of == this) {
+    throw std::logic_error("pipeline: the worker cannot wait for itself; stop() is enough");
+  }
+  if (is_elsewhere()) {
+    throw std::logic_error(
+        "pipeline: the worker stayed with the process that forked; make one here");
+  }
 }
 
 // The seat is the worker's from the constructor on, also between two runs.

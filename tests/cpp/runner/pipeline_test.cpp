@@ -5,6 +5,9 @@
 
 #include <gtest/gtest.h>
 #include <pthread.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <chrono>
@@ -1261,6 +1264,30 @@ TEST(MakePipeline, WhereverMemoryEndsItHasTakenNothing) {
             10);
   Greedy scheme;
   EXPECT_GT(test::allocations_until_made([&] { return make_pipeline(scheme, small); }), 10);
+}
+
+TEST(Pipeline, EndsInAForkedProcess) {
+  auto pipeline = std::make_unique<Pipeline>(RunConfig{}, [](EventSpan) {});
+  pipeline->push(at_times({0, 1}));
+  const pid_t child = fork();
+  if (child == 0) {
+    int refused = 0;
+    try {
+      pipeline->join();
+    } catch (const std::logic_error&) {
+      refused = 1;
+    }
+    pipeline.reset();
+    _exit(refused);
+  }
+  int status = 0;
+  const auto until = Steady::now() + kLong;
+  while (waitpid(child, &status, WNOHANG) == 0 && Steady::now() < until) {
+    std::this_thread::sleep_for(1ms);
+  }
+  EXPECT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 1);
+  kill(child, SIGKILL);
 }
 
 #if defined(__GLIBC__)

@@ -20,7 +20,8 @@ namespace asap::inline v0_1 {
 // events.size() / gamma is the number of events that thinning has seen since the package, or the
 // part of one, before: those of packages and parts that kept nothing count to the next one. So the
 // sum over all is what was received less stale, overflowed and filtered events, whatever the scheme
-// and the execution. Of an anytime package each part has its own.
+// and the execution. Each part of an anytime package has its own; raw, offered and filtered are
+// those of the package so far, the events lost before are those of the package.
 struct Package {
   EventSpan events;          // kept, oldest first; never empty when the algorithm sees it
   std::uint64_t index = 0;   // number of the package, from 0

@@ -55,7 +55,8 @@ class Pipeline {
   // std::logic_error from its constructor, its start() or its consumer's first call.
   explicit Pipeline(Scheme& scheme, RunConfig config = {});
   // With a worker: a thread that runs the algorithm until stop(), see join(). Without a scheme
-  // under Deadline.
+  // under Deadline. A process that forks has no worker: make the pipeline there. join() and start()
+  // throw std::logic_error in it.
   Pipeline(RunConfig config, Consumer algorithm);
   Pipeline(Scheme& scheme, RunConfig config, Consumer algorithm);
   // Drops what still waits. Blocks until a push under way has returned and the consumer, worker or
