@@ -27,7 +27,7 @@ $refuses
 
 Notes
 -----
-Depth and motion are not told apart: a thing much nearer than the background moves unlike it. Threads take
+Depth and motion are not separated: a thing much nearer than the background moves unlike it. Threads take
 turns. A timestamp that goes back by up to 1 s counts as the latest one. Own design; the residual of a global
 motion is that of Vasco et al., "Independent Motion Detection with Event-driven Cameras", ICAR 2017.
 

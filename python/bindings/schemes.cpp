@@ -89,7 +89,7 @@ first_size, max_size, min_size : int
 )");
 
   bind_scheme<Asap2022>(m, "Asap2022",
-                        R"(The law of the public node of Tapia et al., 2022: a baseline.
+                        R"(The scheme of the public node of Tapia et al., 2022: a baseline.
 
 The package size is an arc tangent of the logarithm of the processing time in ms, from min_size at
 min_processing_ms to max_size at max_processing_ms; it does not see the event rate and may have two

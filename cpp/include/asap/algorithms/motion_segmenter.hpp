@@ -2,7 +2,7 @@
 // last 15 ms (PlaneFlow) gives the motion of the background, with four parameters, robustly. Cells
 // whose flow needs a shift beside it are flagged; connected ones are a region, and regions are
 // followed. Where the flow does not cover the frame, mostly before a camera at rest, the answer is
-// "unknown". Depth and motion are not told apart: a thing much nearer than the background moves
+// "unknown". Depth and motion are not separated: a thing much nearer than the background moves
 // unlike it. One thread at a time. O(1) per event,
 // O(flow events of 15 ms + cells) per 10 ms; allocates in the constructor only. A timestamp that
 // goes back by up to 1 s counts as the latest one. Results do not depend on how the stream is cut.

@@ -22,7 +22,7 @@ namespace asap::inline v0_1 {
 struct RecordingConfig {
   TextConfig text{};                               // columns and unit of a .csv or .txt file
   std::size_t chunk_bytes = std::size_t{1} << 18;  // of the file, read at once
-  std::string format{};                            // "evt3", "atis40"...; empty: told by the file
+  std::string format{};                            // "evt3", "atis40"...; empty: as the file says
   int width = 0, height = 0;                       // px, where the file does not say
   std::string stream{};                            // camera, where the file holds several
 };

@@ -1,4 +1,4 @@
-// Asap2022: the law of the node that its authors published with Tapia, Martinez-de Dios, Gomez
+// Asap2022: the scheme of the node that its authors published with Tapia, Martinez-de Dios, Gomez
 // Eguiluz, Ollero, Autonomous Robots 46, 2022, in pull form. A baseline: keep Deadline for work.
 //
 //   size    S atan(kappa ln H) + c, H in ms: min_size at the least processing time, max_size at the
@@ -28,7 +28,7 @@ struct Asap2022Config {
   std::chrono::nanoseconds max_processing = std::chrono::milliseconds(10);
   std::size_t min_size = 100;
   std::size_t max_size = 29'700;
-  double kappa = 1.0;  // steepness of the size law
+  double kappa = 1.0;  // steepness of the size rule
   double min_gamma = 0.1;
   double max_gamma = 1.0;
   std::size_t first_size = 1000;

@@ -1,4 +1,4 @@
-// DeadBeat: the simplest law that keeps a latency bound L (notebooks/theory.md, section 5). No
+// DeadBeat: the simplest scheme that keeps a latency bound L (notebooks/theory.md, section 5). No
 // package is longer than L / 2, and every package takes all that waits: then nothing that waits is
 // older than L / 2 when a package starts, and L when it ends. What does not fit is thinned evenly.
 // It settles in one package: no rate estimate, no gain, no integrator. `Deadline` keeps more at the

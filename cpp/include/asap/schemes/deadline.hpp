@@ -1,6 +1,6 @@
 // Deadline: as many events as possible within the latency bound L, counted from their arrival
 // (live) or their timestamp (a recording), and none later. A backlog that fits into the bound is
-// taken whole. Otherwise the law plays a dozen plans forward on the backlog and takes the best
+// taken whole. Otherwise the scheme plays a dozen plans forward on the backlog and takes the best
 // (notebooks/theory.md, section 6). A plan is a package of some length T: it drops events older
 // than L - T, thins the older part of the rest to the number that it can finish, and leaves the
 // newest events in the ring. Its value is the work finished in time if arrivals stop and, in a
@@ -24,7 +24,7 @@ namespace asap::inline v0_1 {
 // What matters more in overload where the two differ: the number of processed events, or that no
 // long stretch of time (a gap) goes by without one.
 enum class Prefer {
-  balanced,    // a gap has a price; notebooks/theory.md, section 6, has the gaps that were measured
+  balanced,    // a gap has a price; python/laboratory/pages/bounds.md has the gaps
   events,      // a quarter of that price
   continuity,  // short gaps
 };

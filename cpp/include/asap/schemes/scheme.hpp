@@ -43,7 +43,7 @@ namespace asap::inline v0_1 {
 // From that list come the values that a scheme tells and, in Python, the keywords, defaults and
 // signature of its constructor, the stub and the command line. Any thread; parameters_of allocates.
 
-// The constructor's parameters by name. A choice is told by its name.
+// The constructor's parameters by name. A choice is given by its name.
 using SchemeParameter = std::variant<std::int64_t, double, std::string_view>;
 using SchemeParameters = std::vector<std::pair<std::string_view, SchemeParameter>>;
 
@@ -56,7 +56,7 @@ template <class Config, class Value>
 NamedField(const char*, Value Config::*) -> NamedField<Config, Value>;
 
 // The values in the order of Config::kParameters. An optional one without a value is left out; a
-// time is told in ms, as its name says.
+// time is given in ms, as its name says.
 template <class Config>
 SchemeParameters parameters_of(const Config& config) {
   SchemeParameters parameters;

@@ -45,7 +45,7 @@ inline std::vector<Event> read_events(EventStream& stream, std::size_t at_least)
 // the rate is the grid's times exp(noise y - noise^2/2), of mean 1; y is a stationary Gaussian
 // AR(1) of unit variance and 1 ms correlation time. Pixels are uniform, polarities random. A step's
 // events are a function of (seed, step, rate): how the rates are cut into grids changes nothing.
-// Thread and allocation as EventStream, except feed(), which copies its grid; a few ns per event.
+// Thread and allocation as EventStream, except feed(), which copies its grid.
 
 struct PoissonArrivalsConfig {
   std::int32_t width = 346;
@@ -83,7 +83,7 @@ class PoissonArrivals final : public EventStream {
 // shaken harder and harder in front of the sensor. The print is a poster of small disks, squares
 // and triangles; it moves on an ellipse whose radius and frequency both grow, so that the event
 // rate climbs as first + (last - first) (t/duration)^1.5 with mild pulses at twice the frequency.
-// Thread and allocation as EventStream; about 10 ns per event.
+// Thread and allocation as EventStream.
 
 struct ShakenPatternConfig {
   std::int32_t width = 346;
