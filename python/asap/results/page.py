@@ -75,6 +75,13 @@ class Article:
         drawn = figures.svg(self.figure).encode("utf-8", "replace")
         return f"data:image/svg+xml;base64,{base64.b64encode(drawn).decode()}"
 
+    @property
+    def widths(self) -> str:
+        """Style of the image: letters of 9 pt are 9 px high at least, and 16 px at most."""
+        assert self.figure is not None
+        inches = self.figure.get_figwidth()
+        return f"min-width: {72 * inches:.0f}px; max-width: {128 * inches:.0f}px"
+
 
 def write(
     path: str | os.PathLike[str],
