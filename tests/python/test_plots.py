@@ -86,6 +86,20 @@ def test_pyplot_is_never_imported():
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
+def test_a_phone_of_390_px_can_read_every_letter():
+    events = events_of((1, 1, 1, 10), (2, 2, 0, 20_000))
+    cluster = np.zeros(1, CLUSTER_DTYPE)
+    cluster[["cxx", "cyy"]] = 4.0
+    for figure in (
+        plots.figure(fake_run()),
+        plots.rate(events).figure,
+        plots.clusters(events, cluster, 16, 16).figure,
+    ):
+        letters = [text for text in figure.findobj(matplotlib.text.Text) if text.get_text()]
+        smallest_pt = min(text.get_fontsize() for text in letters)
+        assert smallest_pt / (72 * figure.get_figwidth()) * 390 >= 9
+
+
 def test_a_frame_shows_on_red_and_off_blue_with_y_down():
     axes = plots.frame(
         events_of((1, 0, 1, 0), (2, 1, 0, 1), (0, 1, 0, 2), (0, 1, 1, 3), (9, 9, 1, 4)), 3, 2
