@@ -62,9 +62,7 @@ def Tiled(
     if made is None:
         fit = ", ".join(kind.__name__ for kind in _core.ALGORITHMS if "_Tiled" in vars(kind))
         if isinstance(algorithm, type):
-            what = (
-                f"{algorithm.__name__}: an answer may need more than the rows around an event"
-            )
+            what = f"{algorithm.__name__}: an answer may need more than the rows around an event"
         else:
             what = f"{algorithm!r}: must be a class"
         raise TypeError(f"algorithm = {what}. Give one of {fit}.")

@@ -38,7 +38,8 @@ def test_a_new_file_may_use_the_names_of_its_neighbours(tmp_path: Path) -> None:
     pybind11 = pytest.importorskip("pybind11")
     compiler = shutil.which("c++") or pytest.skip("no compiler")
     (tmp_path / "newcomer.cpp").write_text(NEW)
-    batch = [BINDINGS / "event_image.cpp", tmp_path / "newcomer.cpp", BINDINGS / "noise_filters.cpp"]
+    neighbours = [BINDINGS / name for name in ("event_image.cpp", "noise_filters.cpp")]
+    batch = [neighbours[0], tmp_path / "newcomer.cpp", neighbours[1]]
     unity = tmp_path / "batch.cpp"
     unity.write_text("".join(f'#include "{path}"\n' for path in batch))
     folders = [BINDINGS, ROOT / "cpp" / "include", ROOT / "cpp" / "src"]

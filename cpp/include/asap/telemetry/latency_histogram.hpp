@@ -30,8 +30,8 @@ class LatencyHistogram {
   // Forgets all, in place.
   void clear(std::int64_t bound_ns) noexcept;
 
-  // `count` events of the same latency, 1 to 2^32 - 1. A negative one (a timestamp ahead of the clock)
-  // counts as 0.
+  // `count` events of the same latency, 1 to 2^32 - 1. A negative one (a timestamp ahead of the
+  // clock) counts as 0.
   void record(std::int64_t latency_ns, std::size_t count = 1) noexcept {
     latency_ns = std::max<std::int64_t>(latency_ns, 0);
     const auto value = static_cast<std::uint64_t>(latency_ns);
