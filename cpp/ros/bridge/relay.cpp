@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <utility>
 
 namespace asap::ros {
@@ -9,10 +10,22 @@ namespace {
 
 using Seconds = std::chrono::duration<double>;
 
-constexpr Seconds kLook{0.1};  // how often a pause heeds another rate bound
+constexpr Seconds kLook{0.1};           // how often a pause heeds another rate bound
+constexpr double kHeldShare = 0.1;      // of the bound: a package is held up
+constexpr double kHeldPackages = 0.01;  // of the packages: the 99 % quantile is
 
 FeedbackGate::Clock::duration clock_time(Seconds time) {
   return std::chrono::duration_cast<FeedbackGate::Clock::duration>(time);
+}
+
+// For how long this thread has been ready without a processor; none where the system does not tell.
+std::optional<std::int64_t> thread_held_ns() {
+  long long ran_ns = 0, held_ns = 0;
+  std::FILE* const file = std::fopen("/proc/thread-self/schedstat", "r");
+  if (file == nullptr) return {};
+  const bool is_told = std::fscanf(file, "%lld %lld", &ran_ns, &held_ns) == 2;
+  std::fclose(file);
+  return is_told ? std::optional<std::int64_t>(held_ns) : std::nullopt;
 }
 
 std::string in_words(std::size_t count) {
@@ -35,6 +48,7 @@ Relay::Relay(const Parameters& parameters, Publish publish, Count count)
 void Relay::set(const Parameters& parameters) {
   gate_.set_patience(clock_time(Seconds(parameters.feedback_timeout_ms * 1e-3)));
   rate_bound_ = parameters.rate_bound;
+  latency_ms_ = parameters.latency_ms;
 }
 
 Facts Relay::facts() const {
@@ -43,7 +57,9 @@ Facts Relay::facts() const {
           {"feedback.refused", number(counts.refused)},
           {"feedback.timeouts", number(counts.timeouts)},
           {"feedback.consumers", number(counts.consumers)},
-          {"feedback.stalled", counts.stalled ? "true" : "false"}};
+          {"feedback.stalled", counts.stalled ? "true" : "false"},
+          {"unseen.packages", number(unseen_.load())},
+          {"unseen.held", number(held_.load())}};
 }
 
 const char* Relay::bottleneck() const {
@@ -63,6 +79,15 @@ Complaint Relay::complaint() {
     return {Level::warn, "stalled: no feedback for " + to_text(std::floor(counts.stalled_s)) +
                              " s; until it comes, a small package per feedback_timeout_ms"};
   }
+  const auto since = [](const auto& count, std::uint64_t& then) {
+    return static_cast<double>(count - std::exchange(then, count));
+  };
+  const double held = since(held_, complained_held_), unseen = since(unseen_, complained_unseen_);
+  if (held > kHeldPackages * unseen) {
+    return {Level::warn, "starved: " + to_text(std::round(1000 * held / unseen) / 10) +
+                             " % of the packages waited for a processor, a tenth of the bound or "
+                             "longer; so do consumers here, unseen without feedback"};
+  }
   if (consumers.heard <= consumers.answering) return {};
   const bool is_chosen = !waits_ || consumers.answering > 0;
   return {is_chosen ? Level::ok : Level::warn,
@@ -71,6 +96,7 @@ Complaint Relay::complaint() {
 
 void Relay::begin(const Geometry& sensor) {
   message_.sensor = sensor;
+  held_ns_.reset();  // of another thread
   gate_.open();
 }
 
@@ -84,7 +110,12 @@ void Relay::process(const Package& package, std::int64_t stamp_ns) {
   const auto start = FeedbackGate::Clock::now();
   const Consumers consumers = count_();
   const bool waits = waits_ && consumers.heard > 0 && consumers.answering > 0;
-  if (!waits) gate_.skip();
+  if (waits) {
+    held_ns_.reset();
+  } else {
+    gate_.skip();
+    note_held();
+  }
   message_.stamp_ns = stamp_ns;
   for (EventSpan rest = package.events; !rest.empty();) {
     PackageWriter::Written written{.events = rest.size()};
@@ -106,6 +137,14 @@ void Relay::process(const Package& package, std::int64_t stamp_ns) {
     if (!(bound > 0 && rest > Seconds(0))) break;
     if (!gate_.pause(now + clock_time(std::min(rest, kLook)))) break;
   }
+}
+
+void Relay::note_held() {
+  const auto now_ns = thread_held_ns();
+  const auto before_ns = std::exchange(held_ns_, now_ns);
+  if (!now_ns || !before_ns) return;
+  ++unseen_;
+  held_ += static_cast<double>(*now_ns - *before_ns) > kHeldShare * latency_ms_ * 1e6;
 }
 
 }  // namespace asap::ros

@@ -1,7 +1,8 @@
 // Relay: the receiver that publishes packages, as messages of the middleware. The consumer of the
 // packages is the algorithm whose cost counts: with feedback, the next package waits until it has
 // finished; without, a package costs what publishing takes, or what the rate bound allows.
-// What a consumer that gives no feedback loses is not counted, and complaint() says so.
+// What a consumer that gives no feedback loses is not counted, and complaint() says so. Nor is its
+// time: where this thread has to wait for a processor, complaint() says that the consumer has to.
 //
 // process() is the session's thread's, the rest any thread's.
 #pragma once
@@ -67,13 +68,19 @@ class Relay final : public Receiver {
   void set(const Parameters& parameters) override;
 
  private:
+  void note_held();
+
   const std::string encoding_;
   const bool waits_;  // for feedback
   const Publish publish_;
   const Count count_;
   std::atomic<double> rate_bound_;
   FeedbackGate gate_;
-  FeedbackGate::Counts complained_;      // at the last complaint()
+  FeedbackGate::Counts complained_;  // at the last complaint()
+  std::atomic<double> latency_ms_;
+  std::optional<std::int64_t> held_ns_;  // this thread up to its last package without feedback
+  std::atomic<std::uint64_t> unseen_ = 0, held_ = 0;  // such packages; held up, of these
+  std::uint64_t complained_unseen_ = 0, complained_held_ = 0;
   std::optional<PackageWriter> writer_;  // none: the middleware encodes
   Message message_;
   std::vector<Trigger> triggers_;  // of the next package

@@ -336,12 +336,13 @@ void Session::judge(Report& report, const Counts& since, const PipelineStats& st
   say(all_rejected ? Level::error : Level::warn, rejection(since));
   if (since.at("messages") == 0) say(Level::warn, silence(topic));
   if (!receiver_.is_heard()) say(Level::warn, "no subscriber of the packages");
-  say(complaint.level, complaint.message);
   if (stats.stalled) {
+    say(complaint.level, complaint.message);
     say(Level::warn, std::string("stalled: ") + receiver_.bottleneck() + " has not finished");
   }
   say(Level::warn, told("overflow", " events did not fit into the ring"));
   say(Level::warn, late);
+  say(complaint.level, complaint.message);
   say(Level::warn, missing(since));
   say(Level::warn, refused);
   if (report.level == Level::ok && !complaint.message.empty()) {

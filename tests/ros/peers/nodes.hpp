@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <asap_ros/msg/processing_time.hpp>
 #include <atomic>
 #include <chrono>
 #include <cstddef>
@@ -86,11 +87,16 @@ class Relay : public rclcpp::Node {
   rclcpp::Subscription<EventPacket>::SharedPtr subscription_;
 };
 
-// Reads what comes on `topic`, and notes how long it was on the way.
+// Reads what comes on `topic`, and notes how long it was on the way. Gives feedback on
+// `finished_topic`, if there is one.
 class Sink : public rclcpp::Node {
  public:
-  Sink(const std::string& topic, const rclcpp::NodeOptions& options)
+  Sink(const std::string& topic, const std::string& finished_topic,
+       const rclcpp::NodeOptions& options)
       : Node("sink", options), ages_(static_cast<std::size_t>(kEvt3Range_us)) {
+    if (!finished_topic.empty()) {
+      finished_ = create_publisher<asap_ros::msg::ProcessingTime>(finished_topic, 10);
+    }
     subscription_ = create_subscription<EventPacket>(
         topic, qos(), [this](EventPacket::ConstSharedPtr message) { take(*message); });
   }
@@ -121,11 +127,16 @@ class Sink : public rclcpp::Node {
       for (const asap::Event& event : events) ++ages_[static_cast<std::size_t>(age_us(event, now))];
     });
     events_ += count;
+    if (!finished_) return;
+    asap_ros::msg::ProcessingTime finished;
+    finished.seq = message.seq;
+    finished_->publish(finished);
   }
 
   ros::PacketReader reader_;
   std::vector<std::uint64_t> ages_;  // events by their age in us
   std::atomic<std::uint64_t> events_ = 0;
+  rclcpp::Publisher<asap_ros::msg::ProcessingTime>::SharedPtr finished_;
   rclcpp::Subscription<EventPacket>::SharedPtr subscription_;
 };
 

@@ -2,8 +2,8 @@
 //
 //   peer source EVENTS MESSAGES PERIOD_US     a driver; ends when all are published
 //   peer relay                                publishes each message again
-//   peer sink TOPIC EVENTS                    a consumer; ends when so many have come, or after 3 s
-//                                             without any more
+//   peer sink TOPIC EVENTS [FINISHED_TOPIC]   a consumer; ends when so many have come, or after 3 s
+//                                             without any more; gives feedback on the second topic
 //   peer process asap|relay EVENTS MESSAGES PERIOD_US [DRIVERS]
 //                                             drivers, component and consumer in one process
 //   peer codec EVENTS MESSAGES                decodes and encodes without a middleware
@@ -88,7 +88,8 @@ void source(const Words& words) {
 }
 
 void sink(const Words& words) {
-  const auto node = std::make_shared<Sink>(words.at(1), rclcpp::NodeOptions());
+  const std::string finished_topic = words.size() > 3 ? words[3] : "";
+  const auto node = std::make_shared<Sink>(words.at(1), finished_topic, rclcpp::NodeOptions());
   rclcpp::executors::SingleThreadedExecutor executor;
   executor.add_node(node);
   spin_until(executor, *node, std::stoull(words.at(2)));
@@ -115,7 +116,8 @@ void process(const Words& words) {
     relay = std::make_shared<Relay>(options);
     executor.add_node(relay);
   }
-  const auto consumer = std::make_shared<Sink>(is_asap ? "asap/events" : "relay/events", options);
+  const auto consumer =
+      std::make_shared<Sink>(is_asap ? "asap/events" : "relay/events", "", options);
   executor.add_node(consumer);
   watched_size = bytes_of(load.events);
   {

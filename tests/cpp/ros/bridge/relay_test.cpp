@@ -1,6 +1,7 @@
 #include "ros/bridge/relay.hpp"
 
 #include <gtest/gtest.h>
+#include <sched.h>
 
 #include <atomic>
 #include <chrono>
@@ -116,7 +117,9 @@ TEST(Relay, WaitsForTheConsumer) {
                                           {"feedback.refused", number(counts.refused)},
                                           {"feedback.timeouts", "0"},
                                           {"feedback.consumers", "1"},
-                                          {"feedback.stalled", "false"}}));
+                                          {"feedback.stalled", "false"},
+                                          {"unseen.packages", "0"},
+                                          {"unseen.held", "0"}}));
 }
 
 TEST(Relay, WaitsForNoFeedbackWhereThereIsNoConsumer) {
@@ -195,6 +198,36 @@ TEST(Relay, SaysThatNoFeedbackIsWanted) {
   const Complaint complaint = fixture.relay.complaint();
   EXPECT_EQ(complaint.level, Level::ok);
   EXPECT_EQ(complaint.message, "1 consumer gives no feedback: what it loses is not counted");
+}
+
+// What comes after the publication waits as this thread does. Here three others want its processor.
+TEST(Relay, SaysThatItIsStarved) {
+  cpu_set_t all, one;
+  CPU_ZERO(&one);
+  CPU_SET(static_cast<std::size_t>(sched_getcpu()), &one);
+  ASSERT_EQ(sched_getaffinity(0, sizeof all, &all), 0);
+  ASSERT_EQ(sched_setaffinity(0, sizeof one, &one), 0);
+  for (const double latency_ms : {1.0, 10'000.0}) {
+    Fixture fixture({.latency_ms = latency_ms, .feedback = "none"});
+    std::atomic<bool> over = false;
+    std::vector<std::jthread> others;
+    for (int i = 0; i < 3; ++i)
+      others.emplace_back([&] {
+        while (!over) {
+        }
+      });
+    for (int i = 0; i < 50; ++i) {
+      const auto start = Clock::now();
+      while (Clock::now() < start + 1ms) {
+      }
+      fixture.relay.process(package_of(test::some_events(10)), 0);
+    }
+    over = true;
+    if (fixture.relay.facts()[5].value == "0") GTEST_SKIP() << "the system does not tell";
+    EXPECT_EQ(fixture.relay.complaint().message.starts_with("starved: "), latency_ms < 10);
+    EXPECT_FALSE(fixture.relay.complaint().message.starts_with("starved: ")) << "of the past";
+  }
+  sched_setaffinity(0, sizeof all, &all);
 }
 
 TEST(Relay, RefusesParametersThatAreNone) {
