@@ -16,7 +16,7 @@ namespace asap::inline v0_1::fast {
 
 inline constexpr std::size_t kContourBins = 16;
 
-struct alignas(32) Contour {
+struct alignas(64) Contour {
   static constexpr float kInitialVariance_px2 = 4;
   static constexpr float kVarianceMemory = 64;  // events
   static constexpr float kInitialCentreVariance = 0.05F;
@@ -25,12 +25,21 @@ struct alignas(32) Contour {
   std::array<std::uint8_t, kContourBins> count{};
   float variance = kInitialVariance_px2;  // px^2, of the residuals
   float polarity = 0;                     // mean, OFF = -1, ON = 1
+  // px, mean of the displacements from the centre, those of OFF events negative.
+  float dipole_x = 0;
+  float dipole_y = 0;
   // Variance of the centre's error, as a fraction of the covariance of the events.
   float centre_variance = kInitialCentreVariance;
   std::uint32_t mean_events =
       kMeanEvents;  // memory of the mean, by size; here because every event reads it
 
   bool known(std::size_t bin) const noexcept { return count[bin] >= kKnownContourEvents; }
+
+  void learn_polarity(float sign, float dx, float dy, float gain) noexcept {
+    polarity += gain * (sign - polarity);
+    dipole_x += gain * (sign * dx - dipole_x);
+    dipole_y += gain * (sign * dy - dipole_y);
+  }
 
   // Distance of an event from the outline, positive outside.
   float residual(std::size_t bin, float distance) const noexcept { return distance - radius[bin]; }

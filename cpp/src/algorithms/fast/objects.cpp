@@ -464,7 +464,7 @@ void Objects::judge(const Tracks& tracks, const NoiseTiles& noise) noexcept {
     if (object.id < 0 || object.sum.parts == 0) continue;
     const float ratio = object.sum.rate_hz / std::max(1e-3F, object.lone_hz);
     const bool is_sure = ratio >= kSureRatio;
-    if (ratio < kMinRatio) {
+    if (ratio < kMinRatio && !has_edges_apart(tracks, object.sum.lead)) {
       object.is_noise = true;
     } else if (is_sure || has_both_edges(tracks, object.sum.lead)) {
       object.is_noise = false;

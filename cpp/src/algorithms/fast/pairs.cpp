@@ -304,6 +304,18 @@ bool has_both_edges(const Tracks& tracks, Tracks::Slot slot) noexcept {
   return tracks[slot].events >= kKnownEvents && std::abs(tracks.contour(slot).polarity) < kOneSided;
 }
 
+bool has_edges_apart(const Tracks& tracks, Tracks::Slot slot) noexcept {
+  constexpr float kExplained = 0.5F;  // share of the polarity's variance that the place explains
+  const Track& track = tracks[slot];
+  const Contour& contour = tracks.contour(slot);
+  const float x = contour.dipole_x;
+  const float y = contour.dipole_y;
+  const float determinant = track.sxx * track.syy - track.sxy * track.sxy;
+  return track.events >= kKnownEvents &&
+         track.syy * x * x - 2 * track.sxy * x * y + track.sxx * y * y >
+             kExplained * (1 - contour.polarity * contour.polarity) * determinant;
+}
+
 bool have_opposite_edges(const Tracks& tracks, Tracks::Slot a, Tracks::Slot b) noexcept {
   const auto edge_of = [&](Tracks::Slot slot) {
     const float polarity = tracks.contour(slot).polarity;

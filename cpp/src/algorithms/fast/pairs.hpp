@@ -64,6 +64,10 @@ class Pairs {
 // Whether a track has a leading and a trailing edge, which fire with opposite polarities.
 bool has_both_edges(const Tracks& tracks, Tracks::Slot slot) noexcept;
 
+// Whether the ON events lie on one side of a track and the OFF events on the other, as those of a
+// thing that moves do and those of noise do not.
+bool has_edges_apart(const Tracks& tracks, Tracks::Slot slot) noexcept;
+
 // Whether the one has a leading edge alone and the other a trailing one.
 bool have_opposite_edges(const Tracks& tracks, Tracks::Slot a, Tracks::Slot b) noexcept;
 

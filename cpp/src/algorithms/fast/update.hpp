@@ -84,7 +84,7 @@ inline void update_mean(Track& track, Contour& contour, const Innovation& nu, St
   const float spread_gain = reciprocals[std::min(n, kCovarianceEvents)];
   const float distance = length(nu.dx, nu.dy);
   const std::size_t bin = directions.bin(nu.dx, nu.dy);
-  contour.polarity += gain * (sign - contour.polarity);
+  contour.learn_polarity(sign, nu.dx, nu.dy, gain);
 
   const float residual = contour.residual(bin, distance);
   if ((n & rule.contour_mask) == 0) contour.learn(bin, distance);
@@ -109,7 +109,7 @@ inline void update_in_contact(Track& track, Contour& contour, const Innovation& 
   const std::uint32_t n = ++track.events;
   const float gain = reciprocals[std::min(n, rule.mean_events)];
   const std::size_t bin = directions.bin(nu.dx, nu.dy);
-  contour.polarity += gain * (sign - contour.polarity);
+  contour.learn_polarity(sign, nu.dx, nu.dy, gain);
   float step = kContactMeanGain * gain;
   if (contour.known(bin)) {
     const float distance = length(nu.dx, nu.dy);

@@ -297,6 +297,22 @@ TEST(Objects, NoiseThatIsDenserThanElsewhereIsNotShown) {
   }
 }
 
+// A moving thing has its ON events on one side and its OFF events on the other.
+TEST(Objects, AThingWithEdgesApartIsShownAmongItsOwnUnsupportedEvents) {
+  Layer layer;
+  add_noise(layer, 20);
+  const auto thing = layer.add(104, 104, 5);
+  layer.tracks.state(thing).slow_rate_hz = 4'000;
+  const auto shows = [&](float dipole_px) {
+    layer.tracks.contour(thing).dipole_x = dipole_px;
+    layer.wait(10'000);
+    return layer.shows(thing);
+  };
+  EXPECT_FALSE(shows(3));
+  EXPECT_TRUE(shows(4));
+  EXPECT_FALSE(shows(3));
+}
+
 TEST(Objects, NoiseEverywhereHidesNothing) {
   Layer layer;
   for (std::size_t i = 0; i < 20 * 346 * 260; ++i) layer.noise.count(i % 346, i / 346 % 260);
