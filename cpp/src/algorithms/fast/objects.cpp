@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <span>
 #include <utility>
 
@@ -37,17 +38,33 @@ bool touch(const Track& a, const Track& b, Stamp now) noexcept {
   return distance <= kReach * (spread_along(a, ux, uy) + spread_along(b, ux, uy)) + kReach_px;
 }
 
+// Around its outline, if half of that is known: in a filled disk the edge lies 1.4 standard
+// deviations beyond the mean radius. Else around 1.75 of its events': half a bar.
+Box box_of(const Track& track, const Contour& contour, const Point& mean) noexcept {
+  const float x = 1.75F * std::sqrt(std::max(0.0F, track.sxx));
+  const float y = 1.75F * std::sqrt(std::max(0.0F, track.syy));
+  Box outline{0, 0, 0, 0};
+  std::size_t known = 0;
+  for (std::size_t bin = 0; bin < kContourBins; ++bin) {
+    if (!contour.known(bin)) continue;
+    ++known;
+    const float angle = 2 * std::numbers::pi_v<float> * static_cast<float>(bin) / kContourBins;
+    const float radius = contour.radius[bin] + 1.4F * std::sqrt(contour.variance);
+    const Point edge{radius * std::cos(angle), radius * std::sin(angle)};
+    outline = united(outline, {edge.x, edge.y, edge.x, edge.y});
+  }
+  const Box half = 2 * known >= kContourBins ? outline : Box{-x, -y, x, y};
+  return {mean.x + half.left, mean.y + half.top, mean.x + half.right, mean.y + half.bottom};
+}
+
 }  // namespace
 
 // ---- sums --------------------------------------------------------------------------------------
 
 void ObjectSum::add(Tracks::Slot slot, const Track& track, const TrackState& state,
-                    Stamp now) noexcept {
-  constexpr float kHalf = 1.75F;  // standard deviations: half a bar, nearly half a ring or disk
+                    const Contour& contour, Stamp now) noexcept {
   const Point mean = predicted_mean(track, now);
-  const float half_x = kHalf * std::sqrt(std::max(0.0F, track.sxx));
-  const float half_y = kHalf * std::sqrt(std::max(0.0F, track.syy));
-  const Box own{mean.x - half_x, mean.y - half_y, mean.x + half_x, mean.y + half_y};
+  const Box own = box_of(track, contour, mean);
   box = parts++ == 0 ? own : united(box, own);
   mass += state.mass;
   rate_hz += state.slow_rate_hz;
@@ -126,7 +143,7 @@ void Objects::add_up(const Tracks& tracks) noexcept {
     if (parts_[slot].object == kNone) continue;
     Object& object = objects_[parts_[slot].object];
     if (object.sum.parts == 0) object.sum = {};
-    object.sum.add(slot, tracks[slot], tracks.state(slot), now);
+    object.sum.add(slot, tracks[slot], tracks.state(slot), tracks.contour(slot), now);
     object.seen_us = now_us_;
   }
 }
@@ -260,7 +277,7 @@ std::size_t Objects::find_parent(const Tracks& tracks, std::size_t child) const 
 
 bool Objects::may_adopt(const Object& object) const noexcept {
   constexpr std::uint64_t kOld_us = 100'000;
-  constexpr float kWide_px = 70;
+  constexpr float kWide_px = 60;
   return object.sum.box.longest_side() >= kWide_px &&
          (object.has_left || now_us_ - object.born_us > kOld_us);
 }

@@ -54,7 +54,8 @@ struct ObjectSum {
   float rate_hz = 0;
   std::int32_t quiet_us = std::numeric_limits<std::int32_t>::max();  // since the newest event
 
-  void add(Tracks::Slot slot, const Track& track, const TrackState& state, Stamp now) noexcept;
+  void add(Tracks::Slot slot, const Track& track, const TrackState& state, const Contour& contour,
+           Stamp now) noexcept;
 
   bool is_quiet() const noexcept;
 };

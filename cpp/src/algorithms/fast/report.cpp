@@ -116,7 +116,7 @@ ObjectSum Engine::sum_of(std::size_t object, const EventClock& clock) const {
   for_each_listed(
       clock, [&](Slot slot) { return objects_.object_of(slot, tracks_[slot]) == object; },
       [&](Slot slot, const Track& track, const TrackState& state) {
-        sum.add(slot, track, state, clock.now());
+        sum.add(slot, track, state, tracks_.contour(slot), clock.now());
       });
   return sum;
 }

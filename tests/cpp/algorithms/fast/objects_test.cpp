@@ -127,7 +127,7 @@ TEST(Objects, WhatBeginsAtALargeObjectIsAPartOfIt) {
   };
   EXPECT_EQ(id_beside(21, 165, 200'000), 0);  // 73 px long; its reach ends at 168 px
   EXPECT_EQ(id_beside(21, 172, 200'000), 1);
-  EXPECT_EQ(id_beside(19, 155, 200'000), 1);  // 66 px long
+  EXPECT_EQ(id_beside(17, 150, 200'000), 1);  // 59 px long
   EXPECT_EQ(id_beside(21, 165, 50'000), 1);   // too new to tell
 }
 
@@ -331,7 +331,7 @@ TEST(ObjectSum, AnObjectWithoutEventsIsQuiet) {
     track.stamp = state.last_event = kNow - silent_us;
     state.slow_rate_hz = rate_hz;
     ObjectSum sum;
-    sum.add(0, track, state, kNow);
+    sum.add(0, track, state, {}, kNow);
     return sum.is_quiet();
   };
   EXPECT_FALSE(is_quiet(5'000, 20'000));
@@ -348,7 +348,7 @@ TEST(ObjectSum, OnePartWithEventsIsEnough) {
   layer.tracks[firing].stamp = layer.tracks.state(firing).last_event = now;
   ObjectSum sum;
   for (const auto slot : {firing, silent}) {
-    sum.add(slot, layer.tracks[slot], layer.tracks.state(slot), now);
+    sum.add(slot, layer.tracks[slot], layer.tracks.state(slot), layer.tracks.contour(slot), now);
   }
   EXPECT_FALSE(sum.is_quiet());
 }
@@ -359,7 +359,8 @@ TEST(ObjectSum, ItsPlaceIsThatOfTheHeaviestPartAndItsBoxThatOfAll) {
   const auto heavy = layer.add(130, 110, 4, 50);
   ObjectSum sum;
   for (const auto slot : {light, heavy}) {
-    sum.add(slot, layer.tracks[slot], layer.tracks.state(slot), static_cast<Stamp>(layer.now_us));
+    sum.add(slot, layer.tracks[slot], layer.tracks.state(slot), layer.tracks.contour(slot),
+            static_cast<Stamp>(layer.now_us));
   }
   EXPECT_EQ(sum.parts, 2U);
   EXPECT_EQ(sum.lead, heavy);
@@ -369,6 +370,24 @@ TEST(ObjectSum, ItsPlaceIsThatOfTheHeaviestPartAndItsBoxThatOfAll) {
   EXPECT_EQ(sum.box.right, 137);
   EXPECT_EQ(sum.box.bottom, 117);
   EXPECT_EQ(sum.mass, 70);
+}
+
+// In a filled disk the edge lies 1.4 standard deviations beyond the mean radius.
+TEST(ObjectSum, ItsBoxFollowsTheOutlineOnceHalfOfThatIsKnown) {
+  const auto left_of = [](std::size_t known) {
+    Track track;
+    track.x = 50;
+    track.sxx = track.syy = 64;
+    Contour contour;
+    contour.radius.fill(10);
+    contour.variance = 4;
+    std::fill_n(contour.count.begin() + 8, known, kKnownContourEvents);  // from the left on
+    ObjectSum sum;
+    sum.add(0, track, {}, contour, 0);
+    return sum.box.left;
+  };
+  EXPECT_FLOAT_EQ(left_of(7), 50 - 1.75F * 8);
+  EXPECT_FLOAT_EQ(left_of(8), 50 - 12.8F);
 }
 
 // Of twice as many objects as slots, those that were lost first are forgotten for new ones.
