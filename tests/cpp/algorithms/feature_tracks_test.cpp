@@ -178,14 +178,6 @@ TEST(FeatureTracks, AgreeWithTheDefinitionInACrowd) {
   }
 }
 
-TEST(FeatureTracks, AStampThatGoesBackCountsAsTheLatest) {
-  auto jagged = asap::test::wild_stream({}, 3000);
-  for (std::size_t i = 1; i < jagged.size(); i += 3) {
-    jagged[i].t -= 1 + static_cast<std::int64_t>(i);
-  }
-  expect_the_definition({.width = 40, .height = 30, .window = 50}, jagged);
-}
-
 // A corner that runs along a line, with company: three pixels at each place.
 std::vector<Event> runner(double vx, double vy, int steps) {
   std::vector<Event> corners;

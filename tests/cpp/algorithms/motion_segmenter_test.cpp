@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -281,18 +280,6 @@ TEST(MotionSegmenter, CountsEventsOutsideTheFrame) {
   found.process(
       Events{{.x = kWidth, .y = 0, .p = 1, .t = 5}, {.x = 0, .y = kHeight, .p = 0, .t = 6}});
   EXPECT_EQ(found.rejected(), 2U);
-}
-
-TEST(MotionSegmenter, RefusesBadConfigurations) {
-  const auto refused = [](asap::MotionSegmenterConfig config) {
-    EXPECT_THROW(MotionSegmenter{config}, std::invalid_argument);
-  };
-  const double nan = std::numeric_limits<double>::quiet_NaN();
-  refused({.width = 0, .height = kHeight});
-  refused({.width = kWidth, .height = 16385});
-  refused({.width = kWidth, .height = kHeight, .window = std::chrono::microseconds(0)});
-  refused({.width = kWidth, .height = kHeight, .least_px_s = nan});
-  refused({.width = kWidth, .height = kHeight, .least_share = -1});
 }
 
 }  // namespace
