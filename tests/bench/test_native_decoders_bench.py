@@ -19,8 +19,6 @@ sys.path.append(str(Path(__file__).parents[1] / "python"))
 import raw_files
 import record_files
 
-WRITERS = raw_files.WRITERS | record_files.WRITERS
-
 COUNT = 10_000_000
 PIECE = 1 << 18  # bytes; stays in the second-level cache
 
@@ -46,13 +44,15 @@ def of_dvs128(events):
     return small
 
 
-@pytest.fixture(scope="module", params=WRITERS)
+@pytest.fixture(scope="module", params=record_files.FORMATS)
 def written(request, events, of_dvs128, tmp_path_factory):
     """A file and its events."""
     kind = request.param
-    path = tmp_path_factory.mktemp("bench") / f"{kind}.{'dat' if kind == 'dat' else 'raw'}"
-    if kind in record_files.WRITERS:
-        yield record_files.WRITERS[kind](path.with_suffix(f".{kind}"), of_dvs128), of_dvs128
+    form = record_files.FORMATS[kind]
+    path = tmp_path_factory.mktemp("bench") / f"{kind}{form.suffix}"
+    if kind in record_files.RECORDS:
+        form.write(path, of_dvs128)
+        yield path, of_dvs128
     else:
         yield raw_files.WRITERS[kind](path, events, 1280, 720), events
     for file in path.parent.iterdir():

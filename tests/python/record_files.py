@@ -1,14 +1,17 @@
-"""Small files of Event Stream, 40-bit events and AEDAT, written plainly: a second opinion."""
+"""Small files of every format that the core decodes, written plainly: a second opinion."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
+import event_files
+import raw_files
 from asap.events import Events
 
 SIDE = 128  # px, of the sensor in every header
@@ -105,20 +108,35 @@ def aedat3(
     return f"#!AER-DAT3.1\r\n{lines}#!END-HEADER\r\n".encode() + b"".join(packets)
 
 
-CONTENTS: dict[str, Callable[[Events], bytes]] = {
-    "es": es2,
-    "es1": es1,
-    "bin": atis40,
-    "aedat2": aedat2,
-    "dvs128": lambda events: aedat2(events, DVS128, dvs128),
-    "aedat3": aedat3,
+class Format(NamedTuple):
+    """How a test writes a file of a sensor of SIDE x SIDE, and what asap says of it."""
+
+    write: Callable[[Path, Events], object]
+    name: str
+    suffix: str
+    side: int | None = SIDE  # px, where the file states it
+    height: int | None = None  # px, where the user has to state it
+
+
+def _of(content: Callable[[Events], bytes], *facts: object) -> Format:
+    return Format(lambda path, events: path.write_bytes(content(events)), *facts)  # type: ignore[arg-type]
+
+
+RECORDS = {
+    "es": _of(es2, "es", ".es"),
+    "es1": _of(es1, "es", ".es", None, SIDE),
+    "atis40": _of(atis40, "atis40", ".bin", None),
+    "aedat2": _of(aedat2, "aedat2", ".aedat"),
+    "dvs128": _of(lambda events: aedat2(events, DVS128, dvs128), "aedat2", ".aedat"),
+    "aedat3": _of(aedat3, "aedat3", ".aedat"),
 }
-
-
-def write(path: Path, events: Events, kind: str) -> Path:
-    """Write events of a sensor of SIDE x SIDE; `kind` is a key of `CONTENTS`."""
-    path.write_bytes(CONTENTS[kind](events))
-    return path
-
-
-WRITERS = {kind: partial(write, kind=kind) for kind in CONTENTS}
+# At least one of each of _core.RECORDING_FORMATS.
+FORMATS = RECORDS | {
+    kind: Format(
+        partial(write, width=SIDE, height=SIDE),
+        kind.removesuffix("_legacy"),
+        ".dat" if kind == "dat" else ".raw",
+    )
+    for kind, write in raw_files.WRITERS.items()
+}
+PLAIN = {kind: Format(write, kind, f".{kind}") for kind, write in event_files.WRITERS.items()}

@@ -10,7 +10,7 @@ import struct
 import tracemalloc
 import warnings
 import zipfile
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -20,13 +20,12 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 import asap
-import raw_files
-import record_files
 from aedat4_files import write_aedat4
 from asap.events import Events
 from corrupt import clean_events
-from event_files import WRITERS, recording
+from event_files import recording
 from fuzzing import INTERESTING, damaged, effort
+from record_files import FORMATS, PLAIN, SIDE, Format
 
 MAX_MEMORY = 64 << 20  # bytes, for files of a few kilobytes
 OPTIONS = st.fixed_dictionaries(
@@ -83,25 +82,23 @@ def write_mat(path: Path, events: Events) -> None:
     pytest.importorskip("scipy.io").savemat(path, columns, do_compression=True)
 
 
-GOOD: dict[str, Callable[[Path, Events], object]] = {
-    **WRITERS,
-    **raw_files.WRITERS,
-    **record_files.WRITERS,
-    "aedat4": lambda path, events: write_aedat4(path, [(0, events[:20]), (0, events[20:])]),
-    "h5": write_h5,
-    "mat": write_mat,
-}
+def write_packets(path: Path, events: Events) -> None:
+    write_aedat4(path, [(0, events[:20]), (0, events[20:])])
+
+
+MORE = {"aedat4": write_packets, "h5": write_h5, "mat": write_mat}
+GOOD = FORMATS | PLAIN | {kind: Format(write, kind, f".{kind}") for kind, write in MORE.items()}
 
 
 @pytest.fixture(scope="module", params=GOOD)
 def good(request: pytest.FixtureRequest, folder: Path) -> tuple[str, bytes]:
-    path = folder / f"good.{request.param}"
+    form: Format = GOOD[request.param]
+    path = folder / f"good{form.suffix}"
     events = clean_events(40)
-    if request.param in record_files.WRITERS:
-        events["x"] %= record_files.SIDE
-        events["y"] %= record_files.SIDE
-    GOOD[request.param](path, events)
-    return request.param, path.read_bytes()
+    events["x"] %= SIDE
+    events["y"] %= SIDE
+    form.write(path, events)
+    return form.suffix, path.read_bytes()
 
 
 @effort(40)
@@ -109,8 +106,8 @@ def good(request: pytest.FixtureRequest, folder: Path) -> tuple[str, bytes]:
 def test_a_damaged_file(
     good: tuple[str, bytes], folder: Path, data: st.DataObject, options: dict[str, Any]
 ) -> None:
-    kind, content = good
-    check_load(folder / f"damaged.{kind}", data.draw(damaged(content)), options)
+    suffix, content = good
+    check_load(folder / f"damaged{suffix}", data.draw(damaged(content)), options)
 
 
 @effort(25)

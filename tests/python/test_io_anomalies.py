@@ -10,11 +10,10 @@ import pytest
 
 import asap
 import corrupt
-import raw_files
-import record_files
 from asap.events import Events
 from asap.io import CorruptFile, TruncatedFileWarning
 from event_files import WRITERS, assert_equal_events
+from record_files import FORMATS, PLAIN, SIDE, Format
 
 EVENTS = corrupt.clean_events(3000)
 SENSOR = {"width": corrupt.WIDTH, "height": corrupt.HEIGHT}
@@ -119,30 +118,24 @@ def test_A13_text_with_torn_lines(tmp_path: Path) -> None:
 
 SMALL = corrupt.clean_events(20_000)
 for axis in "xy":
-    SMALL[axis] %= record_files.SIDE
+    SMALL[axis] %= SIDE
 
 
 def convert(path: Path, events: Events) -> None:
-    asap.convert(events, path, width=record_files.SIDE, height=record_files.SIDE)
+    asap.convert(events, path, width=SIDE, height=SIDE)
 
 
-ZEROED: dict[str, Callable[..., object]] = {
-    **{f"{kind}.{'dat' if kind == 'dat' else 'raw'}": w for kind, w in raw_files.WRITERS.items()},
-    **{f"{kind}.{kind}": writer for kind, writer in record_files.WRITERS.items()},
-    **{f"{kind}.{kind}": writer for kind, writer in WRITERS.items() if kind != "npz"},
-    "aedat4.aedat4": convert,
-}
+ZEROED = FORMATS | PLAIN | {"aedat4": Format(convert, "aedat4", ".aedat4")}
+del ZEROED["npz"]
 
 
 @pytest.mark.parametrize("name", ZEROED)
 def test_zeros_to_the_end_are_named_and_no_events(tmp_path: Path, name: str) -> None:
-    if name.startswith("aedat4"):
+    if name == "aedat4":
         pytest.importorskip("lz4")
-    path = tmp_path / f"events.{name.partition('.')[2]}"
-    told = {"height": record_files.SIDE} if name.startswith("es1") else {}
-    if name.startswith("atis40"):
-        told = {"file_format": "atis40"}
-    ZEROED[name](path, SMALL)
+    form = ZEROED[name]
+    path, told = tmp_path / f"events{form.suffix}", {"height": form.height}
+    form.write(path, SMALL)
     whole = asap.load(path, **told)
     content = path.read_bytes()
     half = len(content) // 2

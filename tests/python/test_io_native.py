@@ -1,8 +1,7 @@
-"""Prophesee RAW and DAT files: every event, every cut, triggers, bad words, headers."""
+"""Prophesee RAW and DAT files: triggers, bad words, headers; every event: test_io_records.py."""
 
 from __future__ import annotations
 
-import warnings
 from pathlib import Path
 
 import numpy as np
@@ -10,26 +9,11 @@ import pytest
 
 import asap
 import raw_files
-from asap import _core
 from asap.io import CorruptFile, UnsupportedFormat
 from corrupt import clean_events
 from event_files import assert_equal_events
-from raw_files import WRITERS
 
 EVENTS = clean_events(2000)
-
-
-@pytest.fixture(params=WRITERS)
-def kind(request: pytest.FixtureRequest) -> str:
-    name: str = request.param
-    return name
-
-
-@pytest.fixture
-def path(kind: str, tmp_path: Path) -> Path:
-    """A file of EVENTS; its stem is the name of the format."""
-    suffix = "dat" if kind == "dat" else "raw"
-    return WRITERS[kind](tmp_path / f"{kind.removesuffix('_legacy')}.{suffix}", EVENTS)
 
 
 def raw(tmp_path: Path, words: list[int], encoding: str = "3.0", dtype: str = "<u2") -> Path:
@@ -43,46 +27,6 @@ def evt3(kind: int, value: int) -> int:
 
 
 Y, X, LOW, HIGH, TRIGGER = 0, 2, 6, 8, 10
-
-
-class TestWhole:
-    def test_events_and_sensor(self, path: Path) -> None:
-        rec = asap.read(path)
-        assert (rec.format, rec.width, rec.height) == (path.stem, 346, 260)
-        for _ in range(2):
-            assert_equal_events(np.concatenate(list(rec)), EVENTS)
-        assert set(rec.rejected.values()) == {0}
-        assert rec.received == len(EVENTS)
-
-    def test_pieces_and_chunks_make_no_difference(self, path: Path, kind: str) -> None:
-        many = clean_events(150_000)
-        WRITERS[kind](path, many)
-        chunks = list(asap.read(path))
-        assert len(chunks) > 2
-        assert_equal_events(np.concatenate(chunks), many)
-
-
-class TestTruncated:
-    def test_at_every_byte(self, path: Path, kind: str) -> None:
-        header = WRITERS[kind](path, EVENTS[:0]).stat().st_size
-        content = WRITERS[kind](path, EVENTS[:20]).read_bytes()
-        record = {"evt2": 4, "evt3": 2}.get(path.stem, 8)
-        for size in range(header, len(content)):
-            path.write_bytes(content[:size])
-            rest = (size - header) % record
-            with warnings.catch_warnings(record=True) as caught:
-                warnings.simplefilter("always")
-                rec = asap.read(path)
-                try:
-                    chunks = list(rec)
-                except CorruptFile as error:  # nothing at all could be read
-                    assert error.offset == size - rest
-                    chunks = [EVENTS[:0]]
-            events = np.concatenate([EVENTS[:0], *chunks])
-            assert_equal_events(events, EVENTS[: len(events)])
-            assert rec.truncated_at == (size - rest if rest else None)
-            assert len(caught) == (rest > 0)
-        assert len(events) == 19
 
 
 class TestTriggers:
@@ -165,13 +109,3 @@ class TestWithoutAHeader:
         path.write_bytes(b"% evt 4.0\n% end\n" + bytes(16))
         with pytest.raises(UnsupportedFormat, match=r"this Prophesee encoding .*evt2, evt21"):
             asap.read(path)
-
-
-def test_decode_into_says_how_far_it_came(path: Path) -> None:
-    opened = _core.OpenedRecording(path, path.stem)
-    words = path.read_bytes()[opened.start :]
-    decoder, out = opened.decoder(opened.start), np.empty(len(EVENTS), asap.EVENT_DTYPE)
-    used, written = decoder.decode_into(words, out[:100])
-    assert written == 100 and 0 < used < len(words)
-    assert decoder.decode_into(words[used:], out[100:]) == (len(words) - used, len(EVENTS) - 100)
-    assert_equal_events(out, EVENTS)

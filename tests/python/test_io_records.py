@@ -1,47 +1,26 @@
-"""Event Stream, 40-bit events, AEDAT 2.0 and 3.1: every event, every cut, what is none."""
+"""Every format that the core decodes: every event, every cut; of AEDAT and ATIS what is none."""
 
 from __future__ import annotations
 
 import struct
 import warnings
 from bisect import bisect_right
-from collections.abc import Callable
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 import pytest
 
 import asap
 import corrupt
+from asap import _core
 from asap.events import Events
 from asap.io import CorruptFile, TruncatedFileWarning, UnsupportedFormat
 from event_files import DATA, assert_equal_events, facts, manifest, sha256_txyp
-from record_files import CONTENTS, SIDE, aedat2, aedat3, atis40, dvs128, es1, es2, packet
+from record_files import FORMATS, RECORDS, SIDE, Format, aedat2, aedat3, atis40, dvs128, packet
 
 EVENTS = corrupt.clean_events(1000, start_us=7_000_000)
 EVENTS["x"] %= SIDE
 EVENTS["y"] %= SIDE
-
-
-class Format(NamedTuple):
-    """How a test writes it, and what asap says of it."""
-
-    write: Callable[[Events], bytes]
-    name: str
-    suffix: str
-    side: int | None  # of the sensor, px, where the file states it
-    height: int | None = None  # px, where the user has to state it
-
-
-FORMATS = {
-    "es": Format(es2, "es", ".es", SIDE),
-    "es1": Format(es1, "es", ".es", None, SIDE),
-    "atis40": Format(atis40, "atis40", ".bin", None),
-    "davis": Format(aedat2, "aedat2", ".aedat", SIDE),
-    "dvs128": Format(CONTENTS["dvs128"], "aedat2", ".aedat", SIDE),
-    "aedat3": Format(aedat3, "aedat3", ".aedat", SIDE),
-}
 
 
 @pytest.fixture(params=FORMATS.values(), ids=FORMATS)
@@ -56,18 +35,49 @@ def file_of(tmp_path: Path, content: bytes, name: str) -> Path:
     return path
 
 
+def written(form: Format, events: Events, folder: Path) -> Path:
+    path = folder / f"a{form.suffix}"
+    form.write(path, events)
+    return path
+
+
+def test_every_format_of_the_core_is_here() -> None:
+    assert {form.name for form in FORMATS.values()} == {*_core.RECORDING_FORMATS}
+
+
 def test_every_event_is_read(form: Format, tmp_path: Path) -> None:
-    path = file_of(tmp_path, form.write(EVENTS), f"a{form.suffix}")
+    path = written(form, EVENTS, tmp_path)
     rec = asap.read(path, on_bad="raise", height=form.height)
     for _ in range(2):
         assert_equal_events(np.concatenate(list(rec)), EVENTS)
+        assert rec.received == len(EVENTS)
     height = form.side or form.height
     assert (rec.format, rec.width, rec.height) == (form.name, form.side, height)
     assert rec.truncated_at is None
 
 
+def test_pieces_and_chunks_make_no_difference(form: Format, tmp_path: Path) -> None:
+    many = corrupt.clean_events(150_000)
+    for axis in "xy":
+        many[axis] %= SIDE
+    chunks = list(asap.read(written(form, many, tmp_path), height=form.height))
+    assert len(chunks) > 2
+    assert_equal_events(np.concatenate(chunks), many)
+
+
+def test_decode_into_says_how_far_it_came(form: Format, tmp_path: Path) -> None:
+    path = written(form, EVENTS, tmp_path)
+    opened = _core.OpenedRecording(path, form.name, height=form.height or 0)
+    words = path.read_bytes()[opened.start :]
+    decoder, out = opened.decoder(opened.start), np.empty(len(EVENTS), asap.EVENT_DTYPE)
+    used, count = decoder.decode_into(words, out[:100])
+    assert count == 100 and 0 < used < len(words)
+    assert decoder.decode_into(words[used:], out[100:]) == (len(words) - used, len(EVENTS) - 100)
+    assert_equal_events(out, EVENTS)
+
+
 def test_no_events(form: Format, tmp_path: Path) -> None:
-    path = file_of(tmp_path, form.write(EVENTS[:0]), f"a{form.suffix}")
+    path = written(form, EVENTS[:0], tmp_path)
     if path.stat().st_size == 0:
         with pytest.raises(CorruptFile, match="byte 0: the file is empty"):
             asap.read(path, file_format=form.name)
@@ -79,8 +89,9 @@ def test_cut_at_every_byte(form: Format, tmp_path: Path) -> None:
     """All events that are whole, and the byte from which on something is missing."""
     events = EVENTS[:12].copy()
     events["t"] -= 6_999_000
-    content = form.write(events)
-    ends = [len(form.write(events[:count])) for count in range(len(events) + 1)]
+    sizes = [events[:count] for count in range(len(events) + 1)]
+    ends = [written(form, some, tmp_path).stat().st_size for some in sizes]
+    content = (tmp_path / f"a{form.suffix}").read_bytes()
     for size in range(max(ends[0], 1), len(content)):
         whole = bisect_right(ends, size) - 1
         path = file_of(tmp_path, content[:size], f"a{form.suffix}")
@@ -94,8 +105,8 @@ def test_cut_at_every_byte(form: Format, tmp_path: Path) -> None:
                 read = events[:0]
         assert_equal_events(read, events[:whole])
         cuts = [str(w.message) for w in caught if issubclass(w.category, TruncatedFileWarning)]
-        if rec.truncated_at is None:  # between two records; in Event Stream some hold time alone
-            assert form.name == "es" or size == ends[whole]
+        if rec.truncated_at is None:  # between two records, some of which hold time alone
+            assert form.name in ("es", "evt2", "evt21", "evt3") or size == ends[whole]
             assert cuts == []
         else:
             first = ends[0] if form.name == "aedat3" else ends[whole]
@@ -105,8 +116,8 @@ def test_cut_at_every_byte(form: Format, tmp_path: Path) -> None:
 
 def test_a_header_that_is_cut(tmp_path: Path) -> None:
     signature = 12  # bytes, of all of them
-    for form in FORMATS.values():
-        content = form.write(EVENTS[:0])
+    for form in RECORDS.values():
+        content = written(form, EVENTS[:0], tmp_path).read_bytes()
         for size in range(signature, len(content)):
             path = file_of(tmp_path, content[:size], f"a{form.suffix}")
             with pytest.raises((CorruptFile, UnsupportedFormat), match="header"):

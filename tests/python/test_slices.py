@@ -11,20 +11,19 @@ import pytest
 
 import asap
 import event_files
-import raw_files
-import record_files
 from asap.events import Events
 from asap.io import FILE_FORMATS
 from corrupt import clean_events, clock_reset
 from event_files import assert_equal_events
+from record_files import FORMATS, SIDE
 from ros_bags import ENCODERS, SUFFIXES, Types, write_bag
 
 EVENTS = clean_events(200_000)  # more than a chunk of any reader
-EVENTS["x"] %= record_files.SIDE
-EVENTS["y"] %= record_files.SIDE
+EVENTS["x"] %= SIDE
+EVENTS["y"] %= SIDE
 SIZE = {"width": 346, "height": 260}
-SUFFIX = {"dat": "dat", "hdf5": "h5", "matlab": "mat", "text": "txt", "aedat2": "aedat"}
-SUFFIX |= {"evt2": "raw", "evt21": "raw", "evt3": "raw", "atis40": "bin", "aedat3": "aedat"}
+SUFFIX = {"hdf5": "h5", "matlab": "mat", "text": "txt"} | SUFFIXES
+SUFFIX |= {kind: form.suffix[1:] for kind, form in FORMATS.items()}
 
 
 def write(path: Path, form: str) -> Path:
@@ -35,10 +34,10 @@ def write(path: Path, form: str) -> Path:
         return write_bag(path, types, [("/events", packet)])
     if form == "matlab":
         pytest.importorskip("scipy.io").savemat(path, {role: EVENTS[role] for role in "txyp"})
-    elif form in (native := raw_files.WRITERS | record_files.WRITERS | {"text": None}):
-        (native[form] or event_files.write_txt)(path, EVENTS)
-    elif form == "atis40":
-        record_files.write(path, EVENTS, "bin")
+    elif form == "text":
+        event_files.write_txt(path, EVENTS)
+    elif form in FORMATS:
+        FORMATS[form].write(path, EVENTS)
     else:
         asap.convert(EVENTS, path, **SIZE)
     return path
@@ -57,7 +56,7 @@ def stamped(*times: int) -> Events:
 
 @pytest.mark.parametrize("form", FILE_FORMATS)
 def test_slices_of_every_format_are_all_of_its_events(tmp_path: Path, form: str) -> None:
-    path = write(tmp_path / f"a.{SUFFIX.get(form, SUFFIXES.get(form, form))}", form)
+    path = write(tmp_path / f"a.{SUFFIX.get(form, form)}", form)
     rec = asap.read(path)
     assert rec.format == form
     events = asap.load(path)
