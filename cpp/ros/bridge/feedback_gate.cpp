@@ -32,7 +32,10 @@ void FeedbackGate::wait() {
   counts_.stalled = !is_finished();
   if (!counts_.stalled) return;
   ++counts_.timeouts;
-  std::erase_if(consumers_, [](const Consumer& one) { return !one.has_finished; });
+  std::erase_if(consumers_, [this](const Consumer& one) {
+    if (!one.has_finished) counts_.left_out.push_back(one.id);
+    return !one.has_finished;
+  });
 }
 
 void FeedbackGate::skip() {
@@ -51,7 +54,9 @@ bool FeedbackGate::pause(Clock::time_point until) {
 
 FeedbackGate::Consumer& FeedbackGate::consumer(std::string_view id) {
   const auto known = std::ranges::find(consumers_, id, &Consumer::id);
-  return known != consumers_.end() ? *known : consumers_.emplace_back(Consumer{std::string(id)});
+  if (known != consumers_.end()) return *known;
+  std::erase(counts_.left_out, id);
+  return consumers_.emplace_back(Consumer{std::string(id)});
 }
 
 bool FeedbackGate::refuse(std::string reason) {

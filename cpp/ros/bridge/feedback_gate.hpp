@@ -21,12 +21,13 @@ class FeedbackGate {
 
   struct Counts {
     std::uint64_t taken = 0;
-    std::uint64_t refused = 0;    // no time, or of no package in flight
-    std::uint64_t timeouts = 0;   // packages that a consumer did not finish in time
-    std::uint64_t consumers = 0;  // that are waited for
-    bool stalled = false;         // the last package was such a one
-    double stalled_s = 0;         // since the first of them in a row was sent
-    std::string refusal{};        // why, the last time
+    std::uint64_t refused = 0;            // no time, or of no package in flight
+    std::uint64_t timeouts = 0;           // packages that a consumer did not finish in time
+    std::uint64_t consumers = 0;          // that are waited for
+    std::vector<std::string> left_out{};  // those whose time was up, until they give feedback again
+    bool stalled = false;                 // the last package was such a one
+    double stalled_s = 0;                 // since the first of them in a row was sent
+    std::string refusal{};                // why, the last time
   };
 
   // How long a package waits for feedback; from now on, also for the one in flight.

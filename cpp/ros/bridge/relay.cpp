@@ -34,11 +34,12 @@ std::string in_words(std::size_t count) {
 
 }  // namespace
 
-Relay::Relay(const Parameters& parameters, Publish publish, Count count)
+Relay::Relay(const Parameters& parameters, Publish publish, Count count, NameOf name_of)
     : encoding_(parameters.encoding),
       waits_(parameters.feedback != "none"),
       publish_(std::move(publish)),
-      count_(std::move(count)) {
+      count_(std::move(count)),
+      name_of_(std::move(name_of)) {
   check(parameters);
   Relay::set(parameters);
   if (encoding_ != kDecoded) writer_.emplace(encoding_);
@@ -78,6 +79,17 @@ Complaint Relay::complaint() {
   if (counts.stalled || counts.timeouts > before.timeouts) {
     return {Level::warn, "stalled: no feedback for " + to_text(std::floor(counts.stalled_s)) +
                              " s; until it comes, a small package per feedback_timeout_ms"};
+  }
+  // One that has gone is not on the topic any more.
+  std::string left_out;
+  for (std::size_t i = counts.left_out.size(), here = counts.consumers; i-- > 0;) {
+    if (++here > consumers.answering) break;
+    left_out += (left_out.empty() ? "" : ", ") + name_of_(counts.left_out[i]);
+  }
+  if (!left_out.empty()) {
+    return {Level::warn, "left out until it gives feedback: " + left_out +
+                             "; it gave none within feedback_timeout_ms, and what it loses is not "
+                             "counted"};
   }
   const auto since = [](const auto& count, std::uint64_t& then) {
     return static_cast<double>(count - std::exchange(then, count));

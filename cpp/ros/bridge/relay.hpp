@@ -44,10 +44,13 @@ class Relay final : public Receiver {
  public:
   using Publish = std::function<void(Message&)>;
   using Count = std::function<Consumers()>;
+  using NameOf = std::function<std::string(std::string_view consumer)>;
 
-  // `count`: feedback is waited for only where a consumer can give it. Throws
-  // std::invalid_argument for parameters that are none.
-  Relay(const Parameters& parameters, Publish publish, Count count);
+  // `count`: feedback is waited for only where a consumer can give it. `name_of` names one in a
+  // complaint. Throws std::invalid_argument for parameters that are none.
+  Relay(
+      const Parameters& parameters, Publish publish, Count count,
+      NameOf name_of = [](std::string_view consumer) { return std::string(consumer); });
 
   // This consumer has worked for so long on the message with this number, see FeedbackGate; false:
   // refused.
@@ -74,6 +77,7 @@ class Relay final : public Receiver {
   const bool waits_;  // for feedback
   const Publish publish_;
   const Count count_;
+  const NameOf name_of_;
   std::atomic<double> rate_bound_;
   FeedbackGate gate_;
   FeedbackGate::Counts complained_;  // at the last complaint()

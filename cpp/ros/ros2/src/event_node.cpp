@@ -58,8 +58,8 @@ void EventNode::start(ros::Receiver& receiver, rclcpp::PublisherBase::SharedPtr 
     if (level == ros::Level::warn) RCLCPP_WARN(get_logger(), "%s", line.c_str());
     if (level == ros::Level::error) RCLCPP_ERROR(get_logger(), "%s", line.c_str());
   };
-  session_ = std::make_unique<ros::Session>(parameters_, receiver, say,
-                                            [this](std::string_view gid) { return name_of(gid); });
+  session_ = std::make_unique<ros::Session>(
+      parameters_, receiver, say, [this](std::string_view gid) { return name_of(topic_, gid); });
   packages_ = std::move(packages);
   stats_ = create_publisher<std_msgs::msg::String>("~/stats", 10);
   diagnostics_ = create_publisher<diagnostic_msgs::msg::DiagnosticArray>("/diagnostics", 10);
@@ -199,8 +199,8 @@ std_msgs::msg::Header EventNode::header(std::int64_t stamp_ns) const {
 
 // ---- reports ----------------------------------------------------------------------------------
 
-std::string EventNode::name_of(std::string_view publisher) const {
-  for (const rclcpp::TopicEndpointInfo& end : get_publishers_info_by_topic(topic_)) {
+std::string EventNode::name_of(const std::string& topic, std::string_view publisher) const {
+  for (const rclcpp::TopicEndpointInfo& end : get_publishers_info_by_topic(topic)) {
     const auto& gid = end.endpoint_gid();
     if (std::equal(gid.begin(), gid.end(), publisher.begin(), publisher.end(),
                    [](auto a, char b) { return a == static_cast<std::uint8_t>(b); })) {

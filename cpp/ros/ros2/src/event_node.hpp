@@ -46,6 +46,8 @@ class EventNode : public rclcpp::Node {
 
   const ros::Parameters& parameters() const noexcept { return parameters_; }
   std_msgs::msg::Header header(std::int64_t stamp_ns) const;
+  // The node that publishes on a topic with these bytes as its identity.
+  std::string name_of(const std::string& topic, std::string_view publisher) const;
   rclcpp::QoS qos(const std::string& reliability) const;
 
  private:
@@ -56,7 +58,6 @@ class EventNode : public rclcpp::Node {
   void tell_apart();
   void take(ros::Packet packet, const std_msgs::msg::Header& header,
             const rclcpp::MessageInfo& info);
-  std::string name_of(std::string_view publisher) const;
   std::string mismatch() const;
   void report();
 

@@ -26,7 +26,9 @@ class PackageNode : public EventNode {
   explicit PackageNode(const rclcpp::NodeOptions& options) : EventNode("asap", options) {
     declare_packages();
     advertise();
-    relay_ = std::make_unique<ros::Relay>(parameters(), publish_, [this] { return consumers(); });
+    relay_ = std::make_unique<ros::Relay>(
+        parameters(), publish_, [this] { return consumers(); },
+        [this](std::string_view id) { return consumer(id); });
     listen();
     start(*relay_, publisher_);
   }
@@ -116,6 +118,10 @@ class PackageNode : public EventNode {
                                        publisher_->get_intra_process_subscription_count());
     return {.heard = heard,
             .answering = processing_time_ ? processing_time_->get_publisher_count() : heard};
+  }
+
+  std::string consumer(std::string_view id) const {
+    return processing_time_ ? name_of(processing_time_->get_topic_name(), id) : "a client";
   }
 
   std::function<void(ros::Message&)> publish_;

@@ -5,7 +5,9 @@
 #include <chrono>
 #include <cstdint>
 #include <limits>
+#include <string>
 #include <thread>
+#include <vector>
 
 namespace asap::ros::feedback_gate_test {
 namespace {
@@ -70,12 +72,16 @@ TEST(FeedbackGate, TheSlowestConsumerSetsThePaceUntilItLeaves) {
   gate.wait();  // the slow one has left
   EXPECT_TRUE(gate.counts().stalled);
   EXPECT_EQ(gate.counts().timeouts, 1u);
+  EXPECT_EQ(gate.counts().left_out, std::vector<std::string>{"slow"});
   gate.set_patience(1min);
   gate.sent(4);
   EXPECT_TRUE(gate.feedback("fast", 4, 0.0));
   gate.wait();
   EXPECT_FALSE(gate.counts().stalled);
   EXPECT_EQ(gate.counts().consumers, 1u);
+  gate.sent(5);
+  EXPECT_TRUE(gate.feedback("slow", 5, 0.0));
+  EXPECT_TRUE(gate.counts().left_out.empty());
 }
 
 TEST(FeedbackGate, AnotherPatienceHoldsForThePackageInFlight) {

@@ -193,6 +193,34 @@ TEST(Relay, SaysWhatIsWrongWithItsConsumers) {
   EXPECT_EQ(said().second, "");
 }
 
+TEST(Relay, NamesTheConsumerThatItLeavesOut) {
+  Fixture fixture({.feedback_timeout_ms = 60'000});
+  fixture.heard = fixture.answering = 2;
+  const auto process = [&](std::vector<const char*> ids) {
+    std::jthread consumers([&](const std::stop_token& over) {
+      for (const char* id : ids) {
+        while (!over.stop_requested() && !fixture.relay.feedback(id, 0, 0.0)) {
+          std::this_thread::sleep_for(1ms);
+        }
+      }
+    });
+    fixture.relay.process(package_of(test::some_events(10)), 0);
+  };
+  const auto says = [&](const char* words) {
+    fixture.relay.complaint();  // of what has happened since the last one
+    return fixture.relay.complaint().message.starts_with(words);
+  };
+  const char* const words = "left out until it gives feedback: stopped; ";
+  process({"stopped"});
+  fixture.relay.set({.latency_ms = 1, .feedback_timeout_ms = 300});
+  process({"good"});  // the other one's time is up
+  fixture.relay.set({.feedback_timeout_ms = 60'000});
+  process({"good"});
+  EXPECT_TRUE(says(words));
+  fixture.answering = 1;  // it has gone
+  EXPECT_FALSE(says(words));
+}
+
 TEST(Relay, SaysThatNoFeedbackIsWanted) {
   Fixture fixture({.feedback = "none"});
   const Complaint complaint = fixture.relay.complaint();
