@@ -59,8 +59,8 @@ Facts Relay::facts() const {
           {"feedback.timeouts", number(counts.timeouts)},
           {"feedback.consumers", number(counts.consumers)},
           {"feedback.stalled", counts.stalled ? "true" : "false"},
-          {"unseen.packages", number(unseen_.load())},
-          {"unseen.held", number(held_.load())}};
+          {"feedback.unseen", number(unseen_.load())},
+          {"feedback.held", number(held_.load())}};
 }
 
 const char* Relay::bottleneck() const {

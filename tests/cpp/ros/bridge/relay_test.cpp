@@ -118,8 +118,8 @@ TEST(Relay, WaitsForTheConsumer) {
                                           {"feedback.timeouts", "0"},
                                           {"feedback.consumers", "1"},
                                           {"feedback.stalled", "false"},
-                                          {"unseen.packages", "0"},
-                                          {"unseen.held", "0"}}));
+                                          {"feedback.unseen", "0"},
+                                          {"feedback.held", "0"}}));
 }
 
 TEST(Relay, WaitsForNoFeedbackWhereThereIsNoConsumer) {
