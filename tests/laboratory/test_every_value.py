@@ -1,10 +1,8 @@
-"""What the laboratory is handed and hands out: refused by its field, pickled, told by its repr."""
+"""What the laboratory is handed and hands out: refused by its field, pickled."""
 
 from __future__ import annotations
 
-import decimal
 import pickle
-import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -13,9 +11,8 @@ import numpy as np
 import pytest
 
 import asap
-from asap_laboratory import STUDIES, _native, conduct, keep_curve, profiles, scenes, score
+from asap_laboratory import STUDIES, conduct, keep_curve, profiles, scenes, score
 from fake_scene import FakeScene
-from labelled_folders import folder
 from unfit import (
     NO_CALLBACKS,
     NO_FLAGS,
@@ -104,21 +101,6 @@ def test_a_value_that_does_not_fit_is_refused_by_its_field(
     assert_refused(call, field, values)
 
 
-@pytest.mark.parametrize(
-    ("call", "plain"),
-    [
-        (lambda half: profiles.drift(half).size, 500),
-        (lambda half: low(duration_s=half, scale=half).duration_s, 0.5),
-        (lambda half: timing(speed=half, duration_s=half).duration_us, 500_000),
-        (lambda half: curve(scene=THIN, gammas=[half]).rows[0]["gamma"], 0.5),
-    ],
-)
-def test_number_of_any_kind_is_taken_as_a_float(call: Callable[[Any], Any], plain: Any) -> None:
-    assert call(decimal.Decimal("0.5")) == call(0.5) == plain
-    with pytest.raises((TypeError, ValueError), match=r"^\w+ = .*: "):
-        call(decimal.Decimal("nan"))
-
-
 # ---- pickles --------------------------------------------------------------------------------
 
 
@@ -160,33 +142,3 @@ def test_scenes_are_pickled_as_what_made_them(make: Callable[[], Any]) -> None:
         assert np.array_equal(twin.events, scene.events)
         assert np.array_equal(twin.labels, scene.labels)
         assert np.array_equal(twin.truth(5000.0), scene.truth(5000.0))
-
-
-def test_a_keep_curve_is_pickled() -> None:
-    found = keep_curve(asap.ClusterTracker, scenes.stop_and_go(10.0), gammas=(1.0,), seeds=(0,))
-    assert again(found).rows == found.rows
-
-
-@pytest.mark.parametrize("protocol", range(pickle.HIGHEST_PROTOCOL + 1))
-@pytest.mark.parametrize(
-    "made",
-    [_native.JaerClusterTracker(9, 9), _native.BusyWait(1, 1), _native.SceneLayout.named("A", 0)],
-    ids=lambda made: type(made).__name__,
-)
-def test_objects_of_the_extension_are_not_pickled(made: Any, protocol: int) -> None:
-    with pytest.raises(TypeError, match=f"^cannot pickle {type(made).__name__}$"):
-        pickle.dumps(made, protocol)
-
-
-# ---- reprs ----------------------------------------------------------------------------------
-
-
-def test_a_repr_makes_it_anew_or_says_what_it_is(tmp_path: Path) -> None:
-    made = profiles.Profile("quiet", duration_s=0.1)
-    assert eval(repr(made), vars(profiles)).parameters == made.parameters
-    for one in (
-        keep_curve(asap.EFast, scenes.corners(duration_s=0.2), gammas=[1], seeds=[0]),
-        scenes.A().thin(0.5),
-        scenes.labelled(folder(tmp_path)),
-    ):
-        assert re.fullmatch(rf"<{type(one).__name__}: [^\n]+>", repr(one)), repr(one)
