@@ -16,7 +16,7 @@ import asap
 import corrupt
 from asap.events import Events
 from asap.inspection import raw_source
-from event_files import WRITERS, facts, recording, write_csv
+from event_files import WRITERS, write_csv
 
 SENSOR = {"width": corrupt.WIDTH, "height": corrupt.HEIGHT}
 EVENTS = corrupt.clean_events(70_000)  # more than one block
@@ -372,40 +372,6 @@ def test_summary_is_plain_json() -> None:
     ]
     assert summary["busiest_pixels"][0] == summary["hot_pixels"][0]
     assert repr(found) == f"<Inspection: array, {found.events} events, wrong>"
-
-
-# ---- real recordings ------------------------------------------------------------------------
-
-KNOWN = [
-    ("text/slider_davis240.txt", {}),
-    ("text/night_davis346.csv", {"hot_pixels": 1}),
-    ("derived/office.npy", {}),
-    ("derived/office.npz", {}),
-    ("aedat/office_davis346.aedat4", {}),
-    ("aedat/cars_davis346.aedat4", {}),
-]
-
-
-@pytest.mark.parametrize(("name", "notes"), KNOWN, ids=[name for name, _ in KNOWN])
-def test_real_recordings(name: str, notes: dict[str, int]) -> None:
-    if name.endswith("aedat4"):
-        pytest.importorskip("lz4")
-    known = facts(name)
-    sensor = (240, 180) if "240" in name else (346, 260)
-    found = asap.check(recording(name), width=sensor[0], height=sensor[1])
-    assert outcome(found) == {check: (count, "note", None, None) for check, count in notes.items()}
-    assert_facts(found, known)
-
-
-def assert_facts(found: asap.Inspection, known: dict[str, Any]) -> None:
-    assert (found.events, found.t_first_us) == (known["events"], known["t_first_us"])
-    assert found.rate_peak_1ms_hz == pytest.approx(known["peak_1ms_ev_s"])
-    assert found.rate_peak_10ms_hz == pytest.approx(known["peak_10ms_ev_s"])
-    assert found.longest_gap_us == known["max_gap_us"]
-    assert found.findings["back_steps"].count == known["backward_steps"]
-    assert (found.pixel_counts > 0).sum() == known["pixels_seen"]
-    top = found.busiest_pixels["events"].sum() / found.events
-    assert top == pytest.approx(known["share_of_10_busiest_pixels"], abs=6e-5)
 
 
 def test_a_map_of_unknown_size_is_bounded() -> None:

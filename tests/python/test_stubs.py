@@ -25,14 +25,6 @@ Signature = list[tuple[str, str, "str | None"]]
 ANY: Signature = [("any", "*args, **kwargs", None)]
 
 
-@pytest.mark.slow
-@pytest.mark.full
-def test_stubtest_finds_nothing(tmp_path: Path) -> None:
-    pytest.importorskip("mypy")
-    modules = ["asap._core", "asap_laboratory._native"]
-    run([sys.executable, "-m", "mypy.stubtest", *modules], cwd=tmp_path)
-
-
 def test_lazy_modules_are_imported_and_getattr_hidden_for_the_type_checker() -> None:
     """A type checker would take any name for one of a module that has a __getattr__."""
     tree = ast.parse((ROOT / "python" / "asap" / "__init__.py").read_text())
