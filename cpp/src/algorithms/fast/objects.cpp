@@ -1,8 +1,8 @@
 #include "algorithms/fast/objects.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <numbers>
 #include <span>
 #include <utility>
 
@@ -17,7 +17,8 @@ float seconds_between(std::uint64_t before_us, std::uint64_t after_us) noexcept 
 
 float mass_of(const TrackState& state) noexcept { return 1 + state.mass; }
 
-// Time for which two objects keep their relative position until it is certain that they are one.
+// Time for which two objects keep their relative position until it is certain
+// that they are one.
 constexpr float kHold_s = 0.4F;
 // The same for two that have one edge each.
 constexpr float kEdges_s = 0.02F;
@@ -38,6 +39,11 @@ bool touch(const Track& a, const Track& b, Stamp now) noexcept {
   return distance <= kReach * (spread_along(a, ux, uy) + spread_along(b, ux, uy)) + kReach_px;
 }
 
+// Of the directions of a contour. No function: its last bits depend on the library.
+constexpr std::array<float, kContourBins> kCosines{
+    1,  0.92387953F,  0.70710678F,  0.38268343F,  0, -0.38268343F, -0.70710678F, -0.92387953F,
+    -1, -0.92387953F, -0.70710678F, -0.38268343F, 0, 0.38268343F,  0.70710678F,  0.92387953F};
+
 // Around its outline, if half of that is known: in a filled disk the edge lies 1.4 standard
 // deviations beyond the mean radius. Else around 1.75 of its events': half a bar.
 Box box_of(const Track& track, const Contour& contour, const Point& mean) noexcept {
@@ -48,9 +54,8 @@ Box box_of(const Track& track, const Contour& contour, const Point& mean) noexce
   for (std::size_t bin = 0; bin < kContourBins; ++bin) {
     if (!contour.known(bin)) continue;
     ++known;
-    const float angle = 2 * std::numbers::pi_v<float> * static_cast<float>(bin) / kContourBins;
     const float radius = contour.radius[bin] + 1.4F * std::sqrt(contour.variance);
-    const Point edge{radius * std::cos(angle), radius * std::sin(angle)};
+    const Point edge{radius * kCosines[bin], radius * kCosines[(bin + 12) % kContourBins]};
     outline = united(outline, {edge.x, edge.y, edge.x, edge.y});
   }
   const Box half = 2 * known >= kContourBins ? outline : Box{-x, -y, x, y};
@@ -59,7 +64,8 @@ Box box_of(const Track& track, const Contour& contour, const Point& mean) noexce
 
 }  // namespace
 
-// ---- sums --------------------------------------------------------------------------------------
+// ---- sums
+// --------------------------------------------------------------------------------------
 
 void ObjectSum::add(Tracks::Slot slot, const Track& track, const TrackState& state,
                     const Contour& contour, Stamp now) noexcept {
@@ -86,7 +92,8 @@ bool ObjectSum::is_quiet() const noexcept {
          std::max(kShortest_us, 1e6F * kEvents / std::max(1.0F, rate_hz));
 }
 
-// ---- objects -----------------------------------------------------------------------------------
+// ---- objects
+// -----------------------------------------------------------------------------------
 
 Objects::Objects(std::size_t slots) : parts_(slots), objects_(2 * slots) {
   listed_.reserve(slots);
@@ -173,8 +180,8 @@ void Objects::note_ways(const Tracks& tracks) noexcept {
   }
 }
 
-// LOST: the object without parts that must have reappeared at this place: where it has moved on to,
-// behind another.
+// LOST: the object without parts that must have reappeared at this place: where
+// it has moved on to, behind another.
 std::size_t Objects::find_lost(const Point& place) const noexcept {
   constexpr float kTolerance_px = 12;
   constexpr float kPerTravel = 0.35F;  // the velocity is not exact
@@ -254,7 +261,8 @@ void Objects::adopt(const Tracks& tracks) noexcept {
   }
 }
 
-// The first object that one of the object's tracks touches, of those that are wanted.
+// The first object that one of the object's tracks touches, of those that are
+// wanted.
 template <class Wanted>
 std::size_t Objects::find_touched(const Tracks& tracks, std::size_t object,
                                   Wanted wanted) const noexcept {
@@ -282,7 +290,8 @@ bool Objects::may_adopt(const Object& object) const noexcept {
          (object.has_left || now_us_ - object.born_us > kOld_us);
 }
 
-// LEAVE: parts that have been apart from the others for long are an object of their own.
+// LEAVE: parts that have been apart from the others for long are an object of
+// their own.
 void Objects::leave(const Tracks& tracks, float dt_s) noexcept {
   bool any = false;
   for (std::size_t i = 0; i < objects_.size(); ++i) {
@@ -330,7 +339,8 @@ std::size_t Objects::heaviest_component(const Tracks& tracks) noexcept {
   return heaviest;
 }
 
-// Puts the parts that hang together with the first one behind it, and returns their end.
+// Puts the parts that hang together with the first one behind it, and returns
+// their end.
 std::size_t Objects::grow_component(const Tracks& tracks, std::size_t first) noexcept {
   const auto now = static_cast<Stamp>(now_us_);
   std::size_t end = first + 1;
@@ -345,11 +355,12 @@ std::size_t Objects::grow_component(const Tracks& tracks, std::size_t first) noe
 
 // ---- which objects are one ----
 
-// JOIN: two objects that touch and keep their relative position over a way are one thing, which is
-// too large or too sparse for one gate. Two that begin together beside each other are presumed to
-// be one from the start: what appears or starts to move fires at all its edges. Two that show one
-// edge each, of opposite polarity, are the two sides of one thing: an object of its own has both.
-// All keep their ids for when they part.
+// JOIN: two objects that touch and keep their relative position over a way are
+// one thing, which is too large or too sparse for one gate. Two that begin
+// together beside each other are presumed to be one from the start: what
+// appears or starts to move fires at all its edges. Two that show one edge
+// each, of opposite polarity, are the two sides of one thing: an object of its
+// own has both. All keep their ids for when they part.
 void Objects::join(const Tracks& tracks, float dt_s) noexcept {
   constexpr float kApart_s = 0.04F;
   inherit();
@@ -389,7 +400,8 @@ float Objects::strictness(const Bond& bond) noexcept {
   return bond.joined && bond.hold_s < kHold_s && bond.edges_s < kEdges_s ? 0.5F : 1;
 }
 
-// An object whose tracks have ended goes on with those of an object that is a part of it.
+// An object whose tracks have ended goes on with those of an object that is a
+// part of it.
 void Objects::inherit() noexcept {
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     const Bond bond = objects_[i].bond;
@@ -441,7 +453,8 @@ bool Objects::has_its_leads(const Tracks& tracks, std::size_t object) const noex
   return is_part(bond.lead, object) && is_part(bond.other_lead, bond.other);
 }
 
-// Whether the two touch at the same relative position as before, within what their means wander.
+// Whether the two touch at the same relative position as before, within what
+// their means wander.
 bool Objects::keeps_bond(const Tracks& tracks, std::size_t object) const noexcept {
   constexpr float kTolerance_px = 4;
   constexpr float kPerSide = 0.1F;
@@ -466,8 +479,9 @@ bool Objects::are_one(const Tracks& tracks, const Bond& bond) const noexcept {
 
 // ---- which object is noise ----
 
-// NOISE: events with support against those without in the same place, above the rate of noise
-// elsewhere. Noise and some flickers have one polarity, a moving object has two edges.
+// NOISE: events with support against those without in the same place, above the
+// rate of noise elsewhere. Noise and some flickers have one polarity, a moving
+// object has two edges.
 void Objects::judge(const Tracks& tracks, const NoiseTiles& noise) noexcept {
   constexpr float kMinRatio = 2;    // hidden below; shown from here on with both polarities ...
   constexpr float kSureRatio = 12;  // ... and from here on in any case
