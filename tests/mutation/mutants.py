@@ -314,14 +314,12 @@ MUTANTS: list[Mutant] = [
         any_lost_object_reappears=("    least = distance;\n", ""),
         lost_object_reappears_twice=("    objects_[object].sum.parts = 1;", "    "),
         way_of_a_starved_object_noted=(" || tracks.state(sum.lead).starved_s > 0", ""),
-        young_object_adopts=(
-            "(object.has_left || now_us_ - object.born_us > kOld_us)",
-            "true",
-        ),
+        young_object_adopts=("now_us_ - object.born_us > kOld_us", "true"),
         what_was_there_before_is_adopted=("now_us_ - child.born_us >= kYoung_us", "false"),
         times_apart_add_up=("first == main ? 0", "first == main ? parts_[slot].apart_s"),
         the_lightest_part_keeps_the_id=("if (mass <= most) continue;", "if (most > 0) continue;"),
         a_flicker_is_shown=("is_sure || has_both_edges(tracks, object.sum.lead)", "true"),
+        own_unsupported_events_hide=(" && !has_edges_apart(tracks, object.sum.lead)", ""),
         noise_everywhere_hides=(" - noise.rate_hz());", ");"),
         last_part_says_whether_it_is_quiet=(
             "std::min(quiet_us, age_us(now, newest))",

@@ -275,7 +275,7 @@ bool Engine::update_track(Slot slot, const Tick& tick) noexcept {
   const float extent2 = largest_variance(track);
   state.extent_px = std::sqrt(extent2);
   if (track.partners == 0) record_extent(state, extent2, tick);
-  update_gate(track, state, settings_.gate, widest_radius_px_, tick.noise_hz);
+  update_gate(track, state, settings_.gate, widest_radius_px_);
   const bool unresolved = looks_unresolved(track, contour, state, tick.noise_hz);
   state.unresolved_s = unresolved ? state.unresolved_s + tick.dt_s : 0;
   const Point mean = predicted_mean(track, tick.now);
@@ -288,7 +288,7 @@ void Engine::confirm(Slot slot) noexcept {
   track.phase = Phase::kConfirmed;
   has_confirmed_ = true;
   track.id = next_id_++;
-  find_sibling(tracks_, slot, clock_.now(), settings_.gate.birth_radius_px);
+  find_sibling(tracks_, slot, clock_.now());
 }
 
 // Every few ms, and at once for a new track.
@@ -311,7 +311,7 @@ void Engine::update_pairs_and_noise() noexcept {
   pairs_us_ = now_us;
   const bool starts = now_us - started_us_ < kNoisePeriod_us;
   if (now_us - noise_us_ >= (starts ? kFirstNoise_us : kNoisePeriod_us)) measure_noise();
-  pairs_.find(tracks_, clock_.now(), settings_.gate.birth_radius_px);
+  pairs_.find(tracks_, clock_.now());
   merge_pairs(seconds(elapsed_us));
   split_next();
   support_.scrub(clock_.now(), elapsed_us);
@@ -336,7 +336,7 @@ void Engine::measure_noise() noexcept {
 
 void Engine::merge_pairs(float dt_s) noexcept {
   for (const Slot slot : tracks_.active()) {
-    forget_far_sibling(tracks_, slot, clock_.now(), settings_.gate.birth_radius_px);
+    forget_far_sibling(tracks_, slot, clock_.now());
   }
   for (const Candidate& pair : pairs_.candidates()) {
     // One of them was removed by a merge in this tick.

@@ -29,11 +29,9 @@ void note_fragment(const Track& track, TrackState& state, float dx, float dy) no
   state.fragment_s = 0;
 }
 
-float ellipse_scale(const TrackState& state, float noise_share) noexcept {
-  constexpr float kRareNoise = 0.1F;
+float ellipse_scale(const TrackState& state) noexcept {
   if (state.fragment_s > kFragment_s || state.extent_px < kLarge_px) return kGateScale;
-  const float rarity = std::clamp(2 - noise_share / kRareNoise, 0.0F, 1.0F);
-  return kGateScale + rarity * std::max(0.0F, state.fragment_scale - kGateScale);
+  return std::max(kGateScale, state.fragment_scale);
 }
 
 float widest_radius(const GateRule& rule, float noise_hz) noexcept {

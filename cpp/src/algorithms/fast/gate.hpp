@@ -30,14 +30,14 @@ inline constexpr float kLarge_px = 8.5F;
 
 // The parts of an object that the gate misses, such as the tips of an L, 2.45 standard deviations
 // from its centre, would be tracks of their own again and again. So where a fragment has begun, a
-// large track has a wider ellipse for 200 ms, which reaches it up to 2.8 of them, unless many of
-// its events, a share, are noise. A small track has not: in a crowd it would take events of others.
+// large track has a wider ellipse for 200 ms, which reaches it up to 2.8 of them. A small track has
+// not: in a crowd it would take events of others.
 
 // Notes that a fragment lies at this displacement, or its opposite, from the track.
 void note_fragment(const Track& track, TrackState& state, float dx, float dy) noexcept;
 
 // Half-axes of the ellipse, standard deviations.
-float ellipse_scale(const TrackState& state, float noise_share) noexcept;
+float ellipse_scale(const TrackState& state) noexcept;
 
 // px, of a young track's circle: the widest in which noise of this rate per pixel stays below the
 // rule's number of events in a mass.

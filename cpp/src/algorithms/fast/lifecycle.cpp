@@ -159,12 +159,10 @@ Assessment assess(Track& track, TrackState& state, const Tick& tick,
   return assess_confirmed(track, state, tick, mass_before, noise_hz, rule);
 }
 
-void update_gate(Track& track, TrackState& state, const GateRule& gate, float widest_px,
-                 float noise_hz) noexcept {
+void update_gate(Track& track, TrackState& state, const GateRule& gate, float widest_px) noexcept {
   state.young_radius_px = young_radius(state, gate, widest_px);
   if (!track.has_id()) return shape_birth_gate(track, state.young_radius_px);
-  const float noise = noise_hz * mature_gate_area(track) / std::max(1.0F, state.slow_rate_hz);
-  state.gate_scale = ellipse_scale(state, noise);
+  state.gate_scale = ellipse_scale(state);
   shape_gate(track, gate, state.gate_scale, state.young_radius_px,
              state.extent_px * state.extent_px, state.age_s >= kMature_s,
              is_starved(state) ? state.kalman.pxx : 0);

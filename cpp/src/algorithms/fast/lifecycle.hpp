@@ -98,10 +98,8 @@ enum class Assessment { kKeep, kConfirm, kDelete };
 Assessment assess(Track& track, TrackState& state, const Tick& tick,
                   const LifecycleRule& rule) noexcept;
 
-// Sets the gate by phase, age, size and rates. `widest_px`: of a young track's circle. `noise_hz`:
-// per pixel.
-void update_gate(Track& track, TrackState& state, const GateRule& gate, float widest_px,
-                 float noise_hz) noexcept;
+// Sets the gate by phase, age, size and rates. `widest_px`: of a young track's circle.
+void update_gate(Track& track, TrackState& state, const GateRule& gate, float widest_px) noexcept;
 
 // Records position and average velocity of a track that is not starved.
 void record_motion(const Track& track, TrackState& state, const Tick& tick) noexcept;

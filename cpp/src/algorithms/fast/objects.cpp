@@ -17,12 +17,6 @@ float seconds_between(std::uint64_t before_us, std::uint64_t after_us) noexcept 
 
 float mass_of(const TrackState& state) noexcept { return 1 + state.mass; }
 
-// Time for which two objects keep their relative position until it is certain
-// that they are one.
-constexpr float kHold_s = 0.4F;
-// The same for two that have one edge each.
-constexpr float kEdges_s = 0.02F;
-
 // Whether two tracks lie as close together as parts of one object.
 bool touch(const Track& a, const Track& b, Stamp now) noexcept {
   constexpr float kReach = 2.5F;  // standard deviations along the line of centres ...
@@ -64,8 +58,7 @@ Box box_of(const Track& track, const Contour& contour, const Point& mean) noexce
 
 }  // namespace
 
-// ---- sums
-// --------------------------------------------------------------------------------------
+// ---- sums --------------------------------------------------------------------------------------
 
 void ObjectSum::add(Tracks::Slot slot, const Track& track, const TrackState& state,
                     const Contour& contour, Stamp now) noexcept {
@@ -92,8 +85,7 @@ bool ObjectSum::is_quiet() const noexcept {
          std::max(kShortest_us, 1e6F * kEvents / std::max(1.0F, rate_hz));
 }
 
-// ---- objects
-// -----------------------------------------------------------------------------------
+// ---- objects -----------------------------------------------------------------------------------
 
 Objects::Objects(std::size_t slots) : parts_(slots), objects_(2 * slots) {
   listed_.reserve(slots);
@@ -180,8 +172,8 @@ void Objects::note_ways(const Tracks& tracks) noexcept {
   }
 }
 
-// LOST: the object without parts that must have reappeared at this place: where
-// it has moved on to, behind another.
+// LOST: the object without parts that must have reappeared at this place: where it has moved on to,
+// behind another.
 std::size_t Objects::find_lost(const Point& place) const noexcept {
   constexpr float kTolerance_px = 12;
   constexpr float kPerTravel = 0.35F;  // the velocity is not exact
@@ -261,8 +253,7 @@ void Objects::adopt(const Tracks& tracks) noexcept {
   }
 }
 
-// The first object that one of the object's tracks touches, of those that are
-// wanted.
+// The first object that one of the object's tracks touches, of those that are wanted.
 template <class Wanted>
 std::size_t Objects::find_touched(const Tracks& tracks, std::size_t object,
                                   Wanted wanted) const noexcept {
@@ -286,12 +277,10 @@ std::size_t Objects::find_parent(const Tracks& tracks, std::size_t child) const 
 bool Objects::may_adopt(const Object& object) const noexcept {
   constexpr std::uint64_t kOld_us = 100'000;
   constexpr float kWide_px = 60;
-  return object.sum.box.longest_side() >= kWide_px &&
-         (object.has_left || now_us_ - object.born_us > kOld_us);
+  return object.sum.box.longest_side() >= kWide_px && now_us_ - object.born_us > kOld_us;
 }
 
-// LEAVE: parts that have been apart from the others for long are an object of
-// their own.
+// LEAVE: parts that have been apart from the others for long are an object of their own.
 void Objects::leave(const Tracks& tracks, float dt_s) noexcept {
   bool any = false;
   for (std::size_t i = 0; i < objects_.size(); ++i) {
@@ -339,8 +328,7 @@ std::size_t Objects::heaviest_component(const Tracks& tracks) noexcept {
   return heaviest;
 }
 
-// Puts the parts that hang together with the first one behind it, and returns
-// their end.
+// Puts the parts that hang together with the first one behind it, and returns their end.
 std::size_t Objects::grow_component(const Tracks& tracks, std::size_t first) noexcept {
   const auto now = static_cast<Stamp>(now_us_);
   std::size_t end = first + 1;
@@ -355,34 +343,27 @@ std::size_t Objects::grow_component(const Tracks& tracks, std::size_t first) noe
 
 // ---- which objects are one ----
 
-// JOIN: two objects that touch and keep their relative position over a way are
-// one thing, which is too large or too sparse for one gate. Two that begin
-// together beside each other are presumed to be one from the start: what
-// appears or starts to move fires at all its edges. Two that show one edge
-// each, of opposite polarity, are the two sides of one thing: an object of its
-// own has both. All keep their ids for when they part.
+// JOIN: two objects that touch and begin together are one thing, which is too large or too sparse
+// for one gate, until they do not keep their relative position: what appears or starts to move
+// fires at all its edges. So are two that show one edge each, of opposite polarity, the two sides
+// of a thing: an object of its own has both. All keep their ids for when they part.
 void Objects::join(const Tracks& tracks, float dt_s) noexcept {
+  constexpr float kEdges_s = 0.02F;
   constexpr float kApart_s = 0.04F;
-  inherit();
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     Object& object = objects_[i];
     Bond& bond = object.bond;
     if (object.id < 0 || object.sum.parts == 0) continue;
-    if (bond.joined && !has_its_leads(tracks, i)) {
-      begin_bond(tracks, i, bond.other);
-      bond.joined = true;
-    }
     if (bond.other == kNone) {
       find_bond(tracks, i);
       bond.joined = bond.other != kNone && began_together(object, objects_[bond.other]);
     } else if (keeps_bond(tracks, i)) {
-      bond.hold_s += dt_s;
       bond.apart_s = 0;
       if (have_opposite_edges(tracks, bond.lead, bond.other_lead)) bond.edges_s += dt_s;
-      bond.joined = bond.joined || are_one(tracks, bond) || bond.edges_s >= kEdges_s;
+      bond.joined = bond.joined || bond.edges_s >= kEdges_s;
     } else {
       bond.apart_s += dt_s;
-      if (bond.joined && bond.apart_s < strictness(bond) * kApart_s) continue;
+      if (bond.joined && bond.apart_s < kApart_s) continue;
       object.has_left = object.has_left || bond.joined;
       bond = {};
     }
@@ -391,32 +372,7 @@ void Objects::join(const Tracks& tracks, float dt_s) noexcept {
 
 bool Objects::began_together(const Object& younger, const Object& older) const noexcept {
   constexpr std::uint64_t kTogether_us = 30'000;
-  return !younger.has_left && now_us_ - younger.born_us < kTogether_us &&
-         younger.born_us - older.born_us < kTogether_us;
-}
-
-// Two that are only presumed to be one part sooner.
-float Objects::strictness(const Bond& bond) noexcept {
-  return bond.joined && bond.hold_s < kHold_s && bond.edges_s < kEdges_s ? 0.5F : 1;
-}
-
-// An object whose tracks have ended goes on with those of an object that is a
-// part of it.
-void Objects::inherit() noexcept {
-  for (std::size_t i = 0; i < objects_.size(); ++i) {
-    const Bond bond = objects_[i].bond;
-    if (bond.other == kNone) continue;
-    Object& other = objects_[bond.other];
-    if (objects_[i].sum.parts > 0 && other.sum.parts > 0) continue;
-    objects_[i].bond = {};
-    if (!bond.joined || objects_[i].sum.parts == 0) continue;
-    for (Part& part : parts_) {
-      if (part.object == i) part.object = bond.other;
-    }
-    other.sum = objects_[i].sum;
-    other.seen_us = now_us_;
-    forget(i);
-  }
+  return now_us_ - younger.born_us < kTogether_us && younger.born_us - older.born_us < kTogether_us;
 }
 
 // With the heaviest of the older objects that it touches.
@@ -440,8 +396,7 @@ void Objects::begin_bond(const Tracks& tracks, std::size_t object, std::size_t o
   objects_[object].bond = {.other = other,
                            .lead = lead,
                            .other_lead = other_lead,
-                           .offset = {to.x - from.x, to.y - from.y},
-                           .start = to};
+                           .offset = {to.x - from.x, to.y - from.y}};
 }
 
 // Whether the two tracks of its bond are still parts of the two objects.
@@ -453,8 +408,7 @@ bool Objects::has_its_leads(const Tracks& tracks, std::size_t object) const noex
   return is_part(bond.lead, object) && is_part(bond.other_lead, bond.other);
 }
 
-// Whether the two touch at the same relative position as before, within what
-// their means wander.
+// Whether the two touch at the same relative position as before, within what their means wander.
 bool Objects::keeps_bond(const Tracks& tracks, std::size_t object) const noexcept {
   constexpr float kTolerance_px = 4;
   constexpr float kPerSide = 0.1F;
@@ -467,21 +421,13 @@ bool Objects::keeps_bond(const Tracks& tracks, std::size_t object) const noexcep
   const Point to = predicted_mean(tracks[bond.other_lead], now);
   const Box box = united(objects_[object].sum.box, objects_[bond.other].sum.box);
   return length(to.x - from.x - bond.offset.x, to.y - from.y - bond.offset.y) <=
-         strictness(bond) * (kTolerance_px + kPerSide * box.longest_side());
-}
-
-bool Objects::are_one(const Tracks& tracks, const Bond& bond) const noexcept {
-  constexpr float kWay_px = 4;  // two objects at rest keep their relative position too
-  if (bond.hold_s < kHold_s) return false;
-  const Point to = predicted_mean(tracks[bond.other_lead], static_cast<Stamp>(now_us_));
-  return length(to.x - bond.start.x, to.y - bond.start.y) >= kWay_px;
+         kTolerance_px + kPerSide * box.longest_side();
 }
 
 // ---- which object is noise ----
 
-// NOISE: events with support against those without in the same place, above the
-// rate of noise elsewhere. Noise and some flickers have one polarity, a moving
-// object has two edges.
+// NOISE: events with support against those without in the same place, above the rate of noise
+// elsewhere. Noise and some flickers have one polarity, a moving object has two edges.
 void Objects::judge(const Tracks& tracks, const NoiseTiles& noise) noexcept {
   constexpr float kMinRatio = 2;    // hidden below; shown from here on with both polarities ...
   constexpr float kSureRatio = 12;  // ... and from here on in any case

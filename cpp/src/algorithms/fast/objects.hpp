@@ -2,8 +2,8 @@
 // thing is several tracks where parts of it fire apart, and a patch of noise may be a track, so the
 // tracks are grouped every 5 ms. LOST: a new track continues the object that must have reappeared
 // there, else it begins one. ADOPT: what begins at a large object is a part of it. LEAVE: parts
-// that stay apart from the others become an object of their own. JOIN: objects that touch and move
-// as one for long, begin together, or have one edge each are one until they do not move as one.
+// that stay apart from the others become an object of their own. JOIN: objects that touch and begin
+// together, or have one edge each, are one until they do not move as one.
 // NOISE: an object is shown once its tracks fire more than the noise around them explains. QUIET:
 // an object without events is not shown. The layer reads the engine and changes nothing in it. One
 // thread, at the tick. O(n^2) of cheap steps in n tracks; allocates in the constructor only.
@@ -106,15 +106,13 @@ class Objects {
     Point half{};      // px, half the box
   };
 
-  // An older object that it touches, and how both have moved since the bond began.
+  // An older object that it touches.
   struct Bond {
     std::size_t other = kNone;
     Slot lead = Tracks::kNone;  // the two tracks that are compared
     Slot other_lead = Tracks::kNone;
     Point offset{};       // px, from the one to the other
-    Point start{};        // where the other was
-    float hold_s = 0;     // time for which they have kept the offset
-    float edges_s = 0;    // time of it in which each had the edge alone that the other lacks
+    float edges_s = 0;    // time for which each had the edge alone that the other lacks
     float apart_s = 0;    // once joined: time for which they have not
     bool joined = false;  // it is a part of the other
   };
@@ -152,13 +150,10 @@ class Objects {
   std::size_t grow_component(const Tracks& tracks, std::size_t first) noexcept;
   void join(const Tracks& tracks, float dt_s) noexcept;
   bool began_together(const Object& younger, const Object& older) const noexcept;
-  static float strictness(const Bond& bond) noexcept;
-  void inherit() noexcept;
   void find_bond(const Tracks& tracks, std::size_t object) noexcept;
   void begin_bond(const Tracks& tracks, std::size_t object, std::size_t other) noexcept;
   bool has_its_leads(const Tracks& tracks, std::size_t object) const noexcept;
   bool keeps_bond(const Tracks& tracks, std::size_t object) const noexcept;
-  bool are_one(const Tracks& tracks, const Bond& bond) const noexcept;
   void judge(const Tracks& tracks, const NoiseTiles& noise) noexcept;
 
   std::vector<Part> parts_;      // by slot

@@ -45,8 +45,8 @@ bool may_miss_parts(const TrackState& confirmed) noexcept {
 }
 
 // px within which two tracks may be one object.
-float merge_distance(float extents_px, float birth_radius_px) noexcept {
-  return std::max(0.9F * birth_radius_px, kMergeReach * extents_px + kMergePadding_px);
+float merge_distance(float extents_px) noexcept {
+  return kMergeReach * extents_px + kMergePadding_px;
 }
 
 // The gate of a large object misses some of its parts, such as the tips of a star or the ends of a
@@ -209,13 +209,12 @@ bool partial_tracks_are_one(const Tracks& tracks, const Candidate& pair, const M
   constexpr float kOld_s = 0.4F;
   constexpr Required kOld{0.1F, 15};
   constexpr Required kMoving{0.03F, 5};
-  constexpr float kAtRest_s = 0.15F;
   if (overlap_and_move_alike(tracks, pair, kept, siblings)) return true;
   const float younger_s =
       std::min(tracks.state(pair.keeper).confirmed_s, tracks.state(pair.other).confirmed_s);
   if (younger_s < kYoung_s) return meets(kept, kYoung);
   if (younger_s > kOld_s && !siblings) return meets(kept, kOld);
-  return meets(kept, kMoving) || kept.hold_s >= kAtRest_s;
+  return meets(kept, kMoving);
 }
 
 }  // namespace
@@ -228,7 +227,7 @@ Pairs::Pairs(std::size_t slots) {
   candidates_.reserve(kMaxCandidates * slots);
 }
 
-void Pairs::find(Tracks& tracks, Stamp now, float birth_radius_px) noexcept {
+void Pairs::find(Tracks& tracks, Stamp now) noexcept {
   places_.clear();
   nearest_.clear();
   candidates_.clear();
@@ -247,14 +246,14 @@ void Pairs::find(Tracks& tracks, Stamp now, float birth_radius_px) noexcept {
   for (std::size_t i = 0; i < places_.size(); ++i) {
     const Place a = places_[i];
     const float extents = a.extent + largest;
-    const float reach = std::max(merge_distance(extents, birth_radius_px) + kConfirmedMargin_px,
-                                 tip_distance(extents));
+    const float reach =
+        std::max(merge_distance(extents) + kConfirmedMargin_px, tip_distance(extents));
     for (std::size_t j = i + 1; j < places_.size(); ++j) {
       const float dx = places_[j].x - a.x;
       const float dy = places_[j].y - a.y;
       if (dx * dx + dy * dy > reach * reach) continue;
       const bool second_keeps = a.has_id && !places_[j].has_id;
-      compare(tracks, second_keeps ? j : i, second_keeps ? i : j, birth_radius_px);
+      compare(tracks, second_keeps ? j : i, second_keeps ? i : j);
     }
   }
   for (const auto& nearest : nearest_) {
@@ -264,8 +263,7 @@ void Pairs::find(Tracks& tracks, Stamp now, float birth_radius_px) noexcept {
   }
 }
 
-void Pairs::compare(Tracks& tracks, std::size_t keeper, std::size_t other,
-                    float birth_radius_px) noexcept {
+void Pairs::compare(Tracks& tracks, std::size_t keeper, std::size_t other) noexcept {
   const Place& a = places_[keeper];
   const Place& b = places_[other];
   const float dx = b.x - a.x;
@@ -274,7 +272,7 @@ void Pairs::compare(Tracks& tracks, std::size_t keeper, std::size_t other,
   const float extents = a.extent + b.extent;
   const bool confirmed = a.has_id && b.has_id;
   const bool mixed = !a.has_id && b.has_id;
-  float reach = merge_distance(extents, birth_radius_px);
+  float reach = merge_distance(extents);
   if (confirmed) reach += kConfirmedMargin_px;
   if (mixed && may_miss_parts(tracks.state(b.slot))) reach = std::max(reach, tip_distance(extents));
   if (distance > reach) return;
@@ -391,7 +389,7 @@ void merge(Tracks& tracks, Tracks::Slot survivor, Tracks::Slot other, Stamp now)
 
 // ---- siblings ----
 
-void find_sibling(Tracks& tracks, Tracks::Slot slot, Stamp now, float birth_radius_px) noexcept {
+void find_sibling(Tracks& tracks, Tracks::Slot slot, Stamp now) noexcept {
   TrackState& state = tracks.state(slot);
   const Point here = predicted_mean(tracks[slot], now);
   float nearest = std::numeric_limits<float>::infinity();
@@ -399,8 +397,7 @@ void find_sibling(Tracks& tracks, Tracks::Slot slot, Stamp now, float birth_radi
     if (other == slot || !tracks[other].has_id()) continue;
     const Point there = predicted_mean(tracks[other], now);
     const float distance = length(here.x - there.x, here.y - there.y);
-    const float reach =
-        merge_distance(state.extent_px + tracks.state(other).extent_px, birth_radius_px);
+    const float reach = merge_distance(state.extent_px + tracks.state(other).extent_px);
     if (distance > reach || distance >= nearest) continue;
     nearest = distance;
     state.sibling = other;
@@ -408,8 +405,7 @@ void find_sibling(Tracks& tracks, Tracks::Slot slot, Stamp now, float birth_radi
   }
 }
 
-void forget_far_sibling(Tracks& tracks, Tracks::Slot slot, Stamp now,
-                        float birth_radius_px) noexcept {
+void forget_far_sibling(Tracks& tracks, Tracks::Slot slot, Stamp now) noexcept {
   TrackState& state = tracks.state(slot);
   if (state.sibling == kNoSlot) return;
   if (is_sibling(tracks, slot, state.sibling)) {
@@ -417,9 +413,7 @@ void forget_far_sibling(Tracks& tracks, Tracks::Slot slot, Stamp now,
     const Point here = predicted_mean(tracks[slot], now);
     const Point there = predicted_mean(tracks[state.sibling], now);
     const float extents = state.extent_px + tracks.state(state.sibling).extent_px;
-    if (length(there.x - here.x, there.y - here.y) <=
-        merge_distance(extents, birth_radius_px) + kMargin_px)
-      return;
+    if (length(there.x - here.x, there.y - here.y) <= merge_distance(extents) + kMargin_px) return;
   }
   state.sibling = kNoSlot;
 }

@@ -36,8 +36,8 @@ class Pairs {
   explicit Pairs(std::size_t slots);
 
   // Sets partners, near_confirmed and may_be_fragment of all tracks, and candidates(). Notes the
-  // fragments. `birth_radius_px`: narrowest circle of a young track.
-  void find(Tracks& tracks, Stamp now, float birth_radius_px) noexcept;
+  // fragments.
+  void find(Tracks& tracks, Stamp now) noexcept;
 
   const std::vector<Candidate>& candidates() const noexcept { return candidates_; }
 
@@ -51,8 +51,7 @@ class Pairs {
   };
 
   // Two places, the first that of the tentative track if one is.
-  void compare(Tracks& tracks, std::size_t keeper, std::size_t other,
-               float birth_radius_px) noexcept;
+  void compare(Tracks& tracks, std::size_t keeper, std::size_t other) noexcept;
 
   std::vector<Place> places_;
   std::vector<std::array<Candidate, kMaxCandidates>> nearest_;  // per place; no slot: none
@@ -85,10 +84,9 @@ void merge(Tracks& tracks, Tracks::Slot survivor, Tracks::Slot other, Stamp now)
 // Tracks that are parts of one object since one of them was confirmed beside the other.
 
 // Sets the sibling of a track that is confirmed now: the nearest confirmed track within reach.
-void find_sibling(Tracks& tracks, Tracks::Slot slot, Stamp now, float birth_radius_px) noexcept;
+void find_sibling(Tracks& tracks, Tracks::Slot slot, Stamp now) noexcept;
 
 // Removes a sibling that was deleted or is farther away than the reach and 4 px.
-void forget_far_sibling(Tracks& tracks, Tracks::Slot slot, Stamp now,
-                        float birth_radius_px) noexcept;
+void forget_far_sibling(Tracks& tracks, Tracks::Slot slot, Stamp now) noexcept;
 
 }  // namespace asap::inline v0_1::fast

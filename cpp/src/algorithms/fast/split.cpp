@@ -120,7 +120,6 @@ bool looks_unresolved(const Track& track, const Contour& contour, const TrackSta
   const float noise = noise_hz * mature_gate_area(track) / std::max(1.0F, state.slow_rate_hz);
   if (contour.variance < kScatter_px2 + kNoiseScatter_px2 * noise) return false;
   const float largest = largest_variance(track);
-  if (largest < state.average_extent2) return false;
   return largest >= kElongation * (track.sxx + track.syy - largest);
 }
 
@@ -132,7 +131,6 @@ HalfFinder::HalfFinder(const CellMap& map) : map_(map) {
 
 std::span<const Part> HalfFinder::find(const OwnerGrid& owners, const Tracks& tracks,
                                        Tracks::Slot slot, Stamp now) noexcept {
-  constexpr float kApart_px = 8;
   gather(owners, tracks, slot, now);
   const auto [first, axis] = cut();
   const std::span<const OwnedCell> cells(owned_cells_);
@@ -144,7 +142,6 @@ std::span<const Part> HalfFinder::find(const OwnerGrid& owners, const Tracks& tr
   for (const OwnedCell& cell : owned_cells_) cells_.push_back(cell.index);
   halves_ = {part_of(0, first, one.along),
              part_of(first, owned_cells_.size() - first, other.along)};
-  if (halves_[0].distance(halves_[1]) < kApart_px) return {};
   const Part* predicted = part_at_prediction(halves_, tracks[slot], tracks.state(slot), now);
   if (predicted != halves_.data()) std::swap(halves_[0], halves_[1]);
   return halves_;
@@ -238,7 +235,6 @@ bool have_parted(TrackState& state, std::span<const Part> halves, float birth_ra
   constexpr float kMoved_px = 3;
   constexpr float kMovedShare = 0.2F;  // the ends of a rotating long object move less
   constexpr float kApart = 2;          // sums of spreads; 1.7 for one that is evenly filled
-  constexpr float kSameAxis = 0.85F;   // cosine
   constexpr float kWindow_s = 0.3F;
   if (halves.empty()) {
     state.unresolved_s = 0;
@@ -248,8 +244,7 @@ bool have_parted(TrackState& state, std::span<const Part> halves, float birth_ra
   const HalvesOffset first = state.halves;
   const float distance = length(now.dx, now.dy);
   const float before = length(first.dx, first.dy);
-  const float cosine = std::abs(now.dx * first.dx + now.dy * first.dy) / (distance * before);
-  if (before == 0 || now.at_s - first.at_s > kWindow_s || cosine < kSameAxis) {
+  if (before == 0 || now.at_s - first.at_s > kWindow_s) {
     state.halves = now;
     return false;
   }

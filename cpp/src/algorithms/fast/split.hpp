@@ -71,8 +71,8 @@ class PartFinder {
 
 // ---- unresolved objects ----
 
-// Whether a track, with no other near, is long, not smaller than it was, and its events do not lie
-// on one outline. noise_hz: per pixel.
+// Whether a track, with no other near, is long and its events do not lie on one outline. noise_hz:
+// per pixel.
 bool looks_unresolved(const Track& track, const Contour& contour, const TrackState& state,
                       float noise_hz) noexcept;
 

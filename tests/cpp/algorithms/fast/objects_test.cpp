@@ -170,7 +170,7 @@ TEST(Objects, APartThatComesBackInTimeStays) {
   }
 }
 
-TEST(Objects, TheLighterPartLeavesAndMayAdoptAtOnce) {
+TEST(Objects, TheLighterPartLeaves) {
   Layer layer;
   const auto first = layer.add(100, 100, 21);
   layer.wait(200'000);
@@ -180,10 +180,7 @@ TEST(Objects, TheLighterPartLeavesAndMayAdoptAtOnce) {
   layer.tracks.state(piece).mass = 200;
   layer.wait(70'000);
   EXPECT_EQ(layer.id_of(piece), 0);
-  ASSERT_EQ(layer.id_of(first), 2);
-  const auto tip = layer.add(35, 100, 3, 20);  // at the new object of 73 px
-  layer.wait(5'000);
-  EXPECT_EQ(layer.id_of(tip), 2);
+  EXPECT_EQ(layer.id_of(first), 2);
 }
 
 // Two tracks 40 px apart that touch; the second one begins later.
@@ -202,33 +199,12 @@ struct Pair : Layer {
   }
 };
 
-TEST(Objects, TwoThatMoveAsOneForLongAreOne) {
-  Pair pair;
-  pair.move(50, 50);
-  pair.wait(350'000);
-  EXPECT_EQ(pair.id_of(pair.second), 1);
-  pair.wait(100'000);
-  EXPECT_EQ(pair.id_of(pair.second), 0);
-  EXPECT_TRUE(pair.shows(pair.first));
-}
-
-TEST(Objects, TwoAtRestOrAtDifferentVelocitiesAreNotOne) {
-  Pair at_rest;
-  at_rest.wait(1'000'000);
-  EXPECT_EQ(at_rest.id_of(at_rest.second), 1);
-
-  Pair apart;
-  apart.move(100, 50);  // 20 px in 400 ms; their tolerance is 11 px
-  apart.wait(1'000'000);
-  EXPECT_EQ(apart.id_of(apart.second), 1);
-}
-
 TEST(Objects, TwoThatBeginTogetherAreOneUntilTheyMoveApart) {
   Pair pair{20'000};
   pair.wait(5'000);
   EXPECT_EQ(pair.id_of(pair.second), 0);
-  pair.move(0, 100);  // beyond 5 px after 50 ms, given up 20 ms later
-  pair.wait(50'000);
+  pair.move(0, 100);  // they touch until 80 ms, given up 40 ms later
+  pair.wait(100'000);
   EXPECT_EQ(pair.id_of(pair.second), 0);
   pair.wait(40'000);
   EXPECT_EQ(pair.id_of(pair.second), 1);
@@ -245,27 +221,6 @@ TEST(Objects, TwoThatHaveOneEdgeEachAreOne) {
   EXPECT_EQ(id_after(0.7F, -0.7F), 0);
   EXPECT_EQ(id_after(0.7F, 0.7F), 1);
   EXPECT_EQ(id_after(0.7F, -0.5F), 1);  // an object of its own
-}
-
-TEST(Objects, OneThatNoLongerMovesAlongIsItselfAgain) {
-  Pair pair;
-  pair.move(50, 50);
-  pair.wait(500'000);
-  pair.tracks[pair.second].x -= 15;  // they still touch
-  pair.wait(30'000);
-  EXPECT_EQ(pair.id_of(pair.second), 0);
-  pair.wait(20'000);
-  EXPECT_EQ(pair.id_of(pair.second), 1);
-}
-
-TEST(Objects, OneWhoseOwnTracksEndGoesOnWithThoseThatJoined) {
-  Pair pair;
-  pair.move(50, 50);
-  pair.wait(500'000);
-  pair.tracks.remove(pair.first);
-  pair.wait(600'000);  // longer than a lost object is remembered
-  EXPECT_EQ(pair.id_of(pair.second), 0);
-  EXPECT_TRUE(pair.shows(pair.second));
 }
 
 // Fills the tiles around (100, 100), where no track takes them, at a rate per pixel.
