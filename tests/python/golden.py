@@ -40,10 +40,3 @@ def golden_stream(count: int = 200_000) -> np.ndarray:
         events[i] = (x, y, p, 10 * (i + 1))
     events.flags.writeable = False
     return events
-
-
-def fnv(labels: np.ndarray) -> int:
-    value = 2166136261
-    for label in labels.tolist():
-        value = (value ^ int(label)) * 16777619 & 0xFFFFFFFF
-    return value

@@ -1,7 +1,7 @@
 """What every algorithm of the library keeps: a table of algorithms and promises.
 
-What each one finds: test_cluster_tracker.py, test_corners.py, test_features.py, test_surfaces.py,
-and the rules in tests/cpp.
+What each one finds: test_cluster_tracker.py, test_features.py, test_surfaces.py, and the rules in
+tests/cpp.
 """
 
 from __future__ import annotations

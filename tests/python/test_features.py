@@ -3,21 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 
 from asap import ArcStar, FeatureTracker
 from golden import golden_stream
 
 TRACK_FIELDS = ["id", "x", "y", "vx", "vy", "size", "t_first", "t_last"]
 WIDTH, HEIGHT = 346, 260
-
-
-@pytest.mark.parametrize(("min_neighbours", "golden"), [(1, (11, 1973, 972)), (2, (4, 894, 410))])
-def test_golden_vectors(min_neighbours: int, golden: tuple[int, int, int]) -> None:
-    tracker = FeatureTracker(WIDTH, HEIGHT, min_neighbours=min_neighbours, window_us=0)
-    tracker.process(golden_stream())
-    tracks = tracker.tracks
-    assert (len(tracks), tracks["x"].sum(), tracks["y"].sum()) == golden
 
 
 def test_tracks_are_a_structured_array_sorted_by_id() -> None:

@@ -39,12 +39,6 @@ def test_the_ends():
         np.testing.assert_array_equal(kept[name], EVENTS[name])
 
 
-def test_the_kept_fraction_is_gamma():
-    for gamma in (0.02, 0.3, 0.9):
-        kept = asap.GammaFilter(seed=9).mask(EVENTS, gamma).mean()
-        assert kept == pytest.approx(gamma, abs=5 * np.sqrt(gamma * (1 - gamma) / EVENTS.size))
-
-
 def test_a_refused_call_loses_nothing():
     gamma_filter = asap.GammaFilter()
     with pytest.raises(ValueError, match=r"gamma = -0\.5"):
