@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shutil
-import subprocess
 import sys
 from pathlib import Path
 from typing import Any
@@ -105,15 +104,6 @@ def test_a_run_without_pictures_names_the_remedy(tmp_path: Path) -> None:
         run.animate(tmp_path / "run.gif")
     with pytest.raises(ValueError, match=r"\.gif or \.mp4"):
         watched(moving(0.1)).animate(tmp_path / "run.avi")
-
-
-def test_without_pillow_the_extra_is_named() -> None:
-    script = (
-        "import sys; sys.modules['PIL'] = None\n"
-        "try:\n    import asap.results.animation\nexcept ImportError as error:\n    print(error)"
-    )
-    out = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
-    assert "asap-events[report]" in out.stdout
 
 
 def test_video_on_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -85,13 +85,6 @@ def test_another_serial_number_is_named(attach: Callable[..., Driver]) -> None:
         asap.open_camera("ABC")
 
 
-def test_without_the_driver_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "neuromorphic_drivers", None)
-    for call in (asap.cameras, asap.open_camera):
-        with pytest.raises(RuntimeError, match=r"asap-events\[camera\]"):
-            call()
-
-
 def test_options_reach_the_driver_which_never_waits_for_long(attach: Callable[..., Driver]) -> None:
     driver = attach()
     with asap.open_camera(SERIAL, configuration="biases") as camera:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import struct
-import sys
 import warnings
 from itertools import pairwise
 from pathlib import Path
@@ -66,18 +65,6 @@ class TestStreams:
         write_aedat4(path, [(0, EVENTS[:10]), (7, EVENTS[10:20]), (0, EVENTS[20:30])])
         rest = np.concatenate((EVENTS[:10], EVENTS[20:30]))
         assert_equal_events(asap.load(path), rest)
-
-
-@pytest.mark.parametrize(("compression", "name"), [(1, "lz4"), (3, "zstandard")])
-def test_a_missing_extra_is_named(
-    path: Path, monkeypatch: pytest.MonkeyPatch, compression: int, name: str
-) -> None:
-    write_aedat4(path, [], compression=compression)
-    for module in ("lz4.frame", "zstandard"):
-        monkeypatch.setitem(sys.modules, module, None)
-    words = rf"^AEDAT4 needs the package {name}: pip install 'asap-events\[aedat4\]'$"
-    with pytest.raises(RuntimeError, match=words):
-        asap.load(path)
 
 
 class TestDamage:

@@ -141,16 +141,6 @@ class TestSeveralCameras:
 
 
 class TestLibraries:
-    def test_without_h5py_the_extra_is_named(
-        self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-    ) -> None:
-        path = dsec(tmp_path / "a.h5")
-        monkeypatch.delitem(sys.modules, "asap.io.hdf5", raising=False)
-        monkeypatch.setitem(sys.modules, "h5py", None)
-        words = r"^HDF5 needs the package h5py: pip install 'asap-events\[hdf5\]'$"
-        with pytest.raises(RuntimeError, match=words):
-            asap.read(path)
-
     @pytest.mark.parametrize(
         ("code", "words"),
         [

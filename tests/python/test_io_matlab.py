@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -81,16 +80,6 @@ class TestLayouts:
 
 
 class TestBadInput:
-    def test_without_scipy_the_extra_is_named(
-        self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-    ) -> None:
-        path = save(tmp_path / "a.mat", events=matrix("xypt"))
-        monkeypatch.delitem(sys.modules, "asap.io.matlab", raising=False)
-        monkeypatch.setitem(sys.modules, "scipy.io", None)
-        words = r"^MATLAB needs the package scipy: pip install 'asap-events\[matlab\]'$"
-        with pytest.raises(RuntimeError, match=words):
-            asap.read(path)
-
     def test_sizes_beyond_any_compression(self, tmp_path: Path) -> None:
         path = save(tmp_path / "a.mat", compress=False, events=np.zeros((100, 4)))
         content = bytearray(path.read_bytes())

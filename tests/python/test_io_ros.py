@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import struct
-import sys
 import warnings
 from itertools import pairwise
 from pathlib import Path
@@ -338,22 +337,6 @@ class TestDamage:
             path.write_bytes(content.replace(size, bomb + bytes(4)))
         with pytest.raises(CorruptFile, match=f"chunk decompresses to {2**32 - 1} bytes"):
             asap.load(path)
-
-    @pytest.mark.parametrize("format", ["rosbag1", "mcap", "folder"])
-    def test_a_missing_extra_is_named(
-        self, tmp_path: Path, format: str, monkeypatch: pytest.MonkeyPatch
-    ) -> None:
-        path = tmp_path / "events"
-        if format == "folder":
-            path.mkdir()
-            (path / "metadata.yaml").touch()
-        else:
-            path.write_bytes(b"#ROSBAG V2.0\n" if format == "rosbag1" else b"\x89MCAP0\r\n")
-        for name in ("rosbags.rosbag1", "rosbags.rosbag2", "mcap.reader"):
-            monkeypatch.setitem(sys.modules, name, None)
-        package = "mcap" if format == "mcap" else "rosbags"
-        with pytest.raises(RuntimeError, match=rf"needs the package {package}: .*events\[ros\]"):
-            asap.read(path)
 
     @effort(30)
     @given(data=st.data())

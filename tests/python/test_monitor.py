@@ -158,15 +158,6 @@ def test_wrong_use_is_told(
     assert words in capsys.readouterr().err
 
 
-def test_without_rich_the_extra_is_named(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setitem(sys.modules, "rich", None)
-    TelemetryFile(tmp_path / "rows.csv")._append(rows_of(7))
-    assert cli.main(["monitor", str(tmp_path / "rows.csv")]) == 3
-    assert "pip install 'asap-events[monitor]'" in capsys.readouterr().err
-
-
 def on_terminal(folder: Path, command: str) -> tuple[subprocess.Popen[bytes], int]:
     """Begin a verb whose stderr is a terminal, and give the other end of that."""
     np.save(folder / "flight.npy", streams.poisson(2e5, 1.0))

@@ -299,16 +299,6 @@ def test_the_window_is_told_to_keep_to_itself(tmp_path: Path, guarded: dict[str,
 # ---- wrong use
 
 
-def test_without_rerun_the_extra_is_named(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setitem(sys.modules, "rerun", None)
-    np.save(tmp_path / "flight.npy", disc(0.1))
-    command = f"view {tmp_path}/flight.npy --width 346 --height 260 --target {tmp_path}/run.rrd"
-    assert cli.main(command.split()) == 3
-    assert "pip install 'asap-events[view]'" in capsys.readouterr().err
-
-
 def test_wrong_targets_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     pipeline = asap.Pipeline(print)
     with pytest.raises(ValueError, match=r"spawn.*connect.*rrd"):
