@@ -1,4 +1,4 @@
-"""How a live pipeline ends with its process: interpreter exit, Ctrl-C, SIGTERM, fork."""
+"""How a pipeline and a replay end with their process: exit, Ctrl-C, SIGTERM, fork."""
 
 from __future__ import annotations
 
@@ -193,6 +193,14 @@ INTERRUPTED = {
             pipeline.flush()
             pipeline.stats()
         """,
+    "a replay of an array": "asap.run(an_hour, algorithm=len)",
+    "a replay of a stream": "asap.run(iter([an_hour]), algorithm=len)",
+    "a replay of a stream that waits": """
+        def stream():
+            yield an_hour
+            threading.Event().wait()
+        asap.run(stream(), algorithm=len)
+        """,
 }
 
 
@@ -205,6 +213,8 @@ def interrupt():
     sent.append(time.monotonic())
     os.kill(os.getpid(), signal.SIGINT)
 pipeline = asap.Pipeline()
+an_hour = np.zeros(2, asap.EVENT_DTYPE)
+an_hour["t"] = [0, 3_600_000_000]
 in_background(interrupt)
 try:
     ready.set()
@@ -213,6 +223,7 @@ except KeyboardInterrupt:
     took = time.monotonic() - sent[0]
 pipeline.stop(drain=False)
 assert pipeline.ledger.balanced
+assert asap.last_run() is None or asap.last_run().ledger.balanced
 print(took)
 """
 
