@@ -159,7 +159,7 @@ class AsapNode(Program):
     """The executable, with parameters, until the end of the `with` block."""
 
     def __init__(self, *, use_sim_time: bool = False, **parameters: Any) -> None:
-        if rosgraph.is_master_online():
+        if parameters or rosgraph.is_master_online():  # an error, not a node without them
             rospy.set_param("/use_sim_time", use_sim_time)
             if rospy.has_param("/asap"):
                 rospy.delete_param("/asap")

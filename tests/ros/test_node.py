@@ -228,7 +228,8 @@ def test_parameters_of_other_nodes_are_named_and_ignored(peer: Any) -> None:
 
 def test_sigint_ends_the_node_while_it_waits_for_feedback(peer: Any) -> None:
     peer.answer()
-    with AsapNode(encoding="mono", feedback_timeout_ms=60_000) as node:
+    # A busy machine makes nothing stale.
+    with AsapNode(encoding="mono", latency_ms=10_000, feedback_timeout_ms=60_000) as node:
         peer.wait_for_node()
         peer.send(mono(np.arange(1000)))
         wait(lambda: peer.packets, "a package")
