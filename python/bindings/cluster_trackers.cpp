@@ -217,7 +217,7 @@ id : int64, never changes: that of the cluster that founded it, or one that no c
     a second
 x, y : float64, px, of its heaviest cluster, predicted for the latest time
 vx, vy : float64, px/s, of the same
-left, top, width, height : float64, px, the box of its clusters, 1.75 standard deviations to each side
+left, top, width, height : float64, px, the box of the outlines of its clusters
 size : int64, events of about the last 30 ms
 t_last : int64, us, timestamp of the newest event
 age_us : int64, us since it began
