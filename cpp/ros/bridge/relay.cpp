@@ -72,7 +72,10 @@ Complaint Relay::complaint() {
   const FeedbackGate::Counts before = std::exchange(complained_, counts);
   Consumers consumers = count_();
   if (!waits_) consumers.answering = 0;
-  const std::string loss = " no feedback: what it loses is not counted";
+  const auto since = [](const auto& count, std::uint64_t& then) {
+    return static_cast<double>(count - std::exchange(then, count));
+  };
+  const double held = since(held_, complained_held_), unseen = since(unseen_, complained_unseen_);
   if (counts.refused > before.refused) {
     return {Level::warn, "feedback refused: " + counts.refusal};
   }
@@ -91,19 +94,18 @@ Complaint Relay::complaint() {
                              "; it gave none within feedback_timeout_ms, and what it loses is not "
                              "counted"};
   }
-  const auto since = [](const auto& count, std::uint64_t& then) {
-    return static_cast<double>(count - std::exchange(then, count));
-  };
-  const double held = since(held_, complained_held_), unseen = since(unseen_, complained_unseen_);
-  if (held > kHeldPackages * unseen) {
+  Complaint quiet;
+  if (consumers.heard > consumers.answering) {
+    const bool is_chosen = !waits_ || consumers.answering > 0;
+    quiet = {is_chosen ? Level::ok : Level::warn, in_words(consumers.heard - consumers.answering) +
+                                                      " no feedback: what it loses is not counted"};
+  }
+  if (quiet.level == Level::ok && held > kHeldPackages * unseen) {
     return {Level::warn, "starved: " + to_text(std::round(1000 * held / unseen) / 10) +
                              " % of the packages waited for a processor, a tenth of the bound or "
                              "longer; so do consumers here, unseen without feedback"};
   }
-  if (consumers.heard <= consumers.answering) return {};
-  const bool is_chosen = !waits_ || consumers.answering > 0;
-  return {is_chosen ? Level::ok : Level::warn,
-          in_words(consumers.heard - consumers.answering) + loss};
+  return quiet;
 }
 
 void Relay::begin(const Geometry& sensor) {
