@@ -1,6 +1,7 @@
 #include "front_filter.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <stdexcept>
@@ -49,6 +50,11 @@ std::size_t pass(PythonFilter& python, EventSpan events, std::span<Event> out) {
     throw py::value_error("before: process(events) returned " + std::to_string(passed.size()) +
                           " of " + std::to_string(events.size()) +
                           " events; a filter does not add any");
+  }
+  const auto back = std::ranges::adjacent_find(passed, std::greater<>(), &Event::t);
+  if (back != passed.end()) {
+    throw py::value_error("before: process(events) returned t = " + std::to_string(back[1].t) +
+                          " after " + std::to_string(back->t) + "; a filter keeps the order");
   }
   std::copy(passed.begin(), passed.end(), out.begin());
   return passed.size();

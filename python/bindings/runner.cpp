@@ -267,6 +267,7 @@ void bind(py::module_& m) {
           },
           py::arg("scheme"), "The latency bound in force, us.")
       .def_readonly("seed", &RunConfig::seed)
+      .def_readonly("keep_mask", &RunConfig::keep_mask)
       .def_property_readonly("execution", [](const RunConfig& config) {
         return config.execution == Execution::anytime ? "anytime" : "whole";
       });

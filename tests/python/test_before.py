@@ -128,3 +128,21 @@ def test_an_exception_of_the_filter_comes_out_unchanged():
 def test_what_is_no_filter_is_refused(before, error, message):
     with pytest.raises(error, match=message):
         asap.simulate(stream(), cost=COST, before=before)
+
+
+def test_of_events_that_the_filter_changes_there_is_no_mask():
+    def shifted(events):
+        events = events.copy()
+        events["x"] += 1
+        return events
+
+    settings = {"cost": COST, "before": shifted, "keep_mask": True, "latency_ms": 1e4}
+    with pytest.warns(UserWarning, match="kept_mask = None: `before` changes events"):
+        run = asap.simulate(stream(), **settings)
+    assert run.kept_mask is None
+    assert run.ledger.delivered == stream().size
+
+
+def test_a_filter_that_turns_the_order_around_is_refused():
+    with pytest.raises(ValueError, match=r"before: .* t = \d+ after \d+; a filter keeps"):
+        asap.simulate(stream(), cost=COST, before=lambda events: events[::-1])

@@ -86,6 +86,13 @@ def test_back_steps() -> None:
     assert f"reorder_tolerance_us={largest})" in found.findings["back_steps"].remedy
 
 
+def test_where_most_events_are_late_the_tolerance_that_sorts_them_is_named() -> None:
+    late_us = np.random.default_rng(1).integers(0, 500, EVENTS.size)
+    found = check(EVENTS[np.argsort(EVENTS["t"] + late_us)]).findings["back_steps"]
+    assert found.count > EVENTS.size / 2
+    assert "reorder_tolerance_us=" in found.remedy
+
+
 def test_clock_reset() -> None:
     bad = corrupt.clock_reset(EVENTS, 66_000, to_us=17)
     found = check(bad)

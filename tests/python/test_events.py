@@ -184,6 +184,11 @@ class TestValuesThatDoNotFit:
         valid = events[~events.mask["p"]].data
         assert len(asap.as_events(valid, time_unit="ms")) == 2
 
+    def test_polarity_of_a_signed_bit_is_asked(self) -> None:
+        one_bit = np.array([-1, 0, -1], np.int8)
+        with pytest.raises(ValueError, match="p = -1: is below 0, which is OFF, as 0 is"):
+            asap.as_events({"t": [1, 2, 3], "x": [1, 1, 1], "y": [1, 1, 1], "p": one_bit})
+
     def test_polarity_nan(self) -> None:
         with pytest.raises(ValueError, match=r"p = nan \(event 2\)"):
             asap.as_events((T, X, Y, [1, 0, np.nan, 1]))

@@ -71,6 +71,10 @@ def noted(element: tuple[Path, str, int]) -> str:
     return name
 
 
+def closure(number: int) -> Any:
+    return lambda: number
+
+
 def exits(number: int) -> int:
     sys.exit(number)
 
@@ -127,6 +131,12 @@ def test_a_failure_stands_at_its_place() -> None:
     assert type(found[3]) is RuntimeError and str(found[3]) == "Stubborn: four and more"
     assert (found[1].recording, found[3].recording) == (2, 4)
     assert "odd_only" in str(found[1].__cause__)  # where it failed, in the other process
+
+
+def test_a_result_that_cannot_leave_its_process_is_a_failure() -> None:
+    (found,) = asap.map(closure, [3])
+    assert isinstance(found, TypeError) and found.recording == 3
+    assert str(found).startswith("the result of function cannot leave its process: ")
 
 
 def test_an_exit_is_a_failure() -> None:

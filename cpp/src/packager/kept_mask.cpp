@@ -22,9 +22,11 @@ void KeptMask::packaged(const EventPieces& raw, std::size_t count, EventSpan kep
     delivered_.append(is_kept);
     next += is_kept ? 1 : 0;
   }
+  is_lost_ = is_lost_ || next < kept.size();
 }
 
-KeptEvents KeptMask::read() const {
+std::optional<KeptEvents> KeptMask::read() const {
+  if (is_lost_) return std::nullopt;
   KeptEvents reading{.kept = std::vector<std::uint8_t>(passed_.size()), .first = {}};
   reading.first.reserve(first_.size());
   std::size_t passed = 0;

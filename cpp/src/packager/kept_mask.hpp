@@ -9,6 +9,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "asap/core/event.hpp"
@@ -41,14 +42,16 @@ class KeptMask {
   // they count to the next package. Equal events are told apart by nothing: the first one counts.
   void packaged(const EventPieces& raw, std::size_t count, EventSpan kept) noexcept;
 
-  // Once the run is over. What has not been decided, is not kept.
-  KeptEvents read() const;
+  // Once the run is over. What has not been decided, is not kept. None, if the filter in front has
+  // changed events or their order, so that they are not found again.
+  std::optional<KeptEvents> read() const;
 
  private:
   BitLog passed_;
   BitLog entered_;
   BitLog delivered_;
   std::vector<std::uint64_t> first_;  // of every package, counted in the ring
+  bool is_lost_ = false;              // a kept event was none of those that came
   bool is_open_ = false;              // events wait for the next package with something kept
   std::uint64_t open_first_ = 0;
 };

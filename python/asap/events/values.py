@@ -60,7 +60,12 @@ def check_precision(t: Column, exponent: int) -> None:
 
 
 def check_polarity(p: Column, is_ours: bool) -> None:
-    """Refuse a polarity of two values above 0, which would all be ON; in ours, if none is OFF."""
+    """Refuse two values above 0, which would all be ON (in ours, if none is OFF), and -1 beside 0.
+
+    These two are 0 and 1 in a signed type of one bit.
+    """
+    if p.dtype.kind == "i" and not is_ours and p.size and p.max() == 0 > p.min():
+        raise ValueError(f"p = {p.min()}: is below 0, which is OFF, as 0 is; give p == {p.min()}")
     above = p if p.dtype.kind == "f" or (p.size and p.max() > 1) else p[:0]
     above = above[above > 0]
     if above.size == 0 or (is_ours and above.size < p.size):

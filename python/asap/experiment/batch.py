@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import importlib
 import os
+import pickle
 import sys
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future
@@ -91,7 +92,8 @@ def map(
     pebble = library("pebble", "asap.map without an executor", "map")
     with pebble.ProcessPool(max(min(len(elements), _cores()), 1)) as pool:
         submit = partial(pool.submit, partial(_in_process, function), None)  # None: no time limit
-        return _called(submit, elements, on_progress, dead=pebble.ProcessExpired)
+        results = _called(submit, elements, on_progress, dead=pebble.ProcessExpired)
+    return [one if isinstance(one, BaseException) else pickle.loads(one) for one in results]
 
 
 def _listed(recordings: Any) -> list[Any]:
@@ -151,14 +153,19 @@ def _failure(error: BaseException, element: Any) -> BaseException:
     return error
 
 
-def _in_process(function: Callable[[Any], Any], element: Any) -> Any:
-    """Call it; an exception that a pickle would not bring back becomes a RuntimeError."""
+def _in_process(function: Callable[[Any], Any], element: Any) -> bytes:
+    """Return the pickle of a result; an exception that none would bring back is a RuntimeError."""
     try:
-        return function(element)
+        result = function(element)
     except Exception as error:
         if _comes_back(error):
             raise
         raise RuntimeError(f"{type(error).__name__}: {error}") from error
+    try:
+        return pickle.dumps(result, pickle.HIGHEST_PROTOCOL)
+    except Exception as error:
+        words = f"the result of function cannot leave its process: {error}"
+        raise TypeError(words) from None
 
 
 def _comes_back(error: Exception) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -427,6 +428,9 @@ def remember(
     if (mask := runner.kept_mask) is not None:  # put together anew at every look
         kept_mask, first = mask
         packages = with_first(packages, first)
+    elif config.keep_mask:
+        words = "kept_mask = None: `before` changes events, so none of them is found again"
+        warnings.warn(words, stacklevel=3)
     run = Run(
         packages=packages,
         ledger=Ledger(**counts),

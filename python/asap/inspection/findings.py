@@ -29,6 +29,7 @@ WRONG_HOT = 0.1
 MAX_LATE = 4  # late events per one that a run drops: of two packets that changed places
 ENOUGH = 100  # events, to expect both polarities
 
+_FAR = 0.1  # of the duration: if most events are later than that, one stamp before them is wrong
 _COUNTER_BITS = (23, 24, 30, 31, 32)  # counters of cameras and formats, in us
 
 
@@ -154,7 +155,8 @@ def _disorder_words(bad: BadEvents) -> str:
 
 def _sorting(bad: BadEvents, meters: Meters) -> str:
     """Name the tolerance that sorts events that are out of place; none repairs a wrong clock."""
-    if not _is_disorder(bad) or bad.back_steps.count >= meters.events:
+    is_far = bad.latest_us > _FAR * meters.duration_us
+    if not _is_disorder(bad) or (is_far and bad.back_steps.count >= meters.events):
         return "The timestamps of these are wrong, not their places: no sorting repairs them."
     depth_us = bad.latest_us
     return (

@@ -111,7 +111,7 @@ class Run(Result):
         With keep_mask=True: whether the algorithm got each event of the source;
         ``events[run.kept_mask]`` are the delivered ones, in order. Where the reader of a file has
         dropped some, the events are those that `load` gives. The first of equal events counts as
-        kept. Not saved.
+        kept. None where `before` changes events, too. Not saved.
     learned : Cost or None
         The cost that the scheme had learned by the end; None where it learns none.
     execution : str

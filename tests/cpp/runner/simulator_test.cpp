@@ -380,9 +380,18 @@ TEST(Simulator, TheMaskLeadsBackToTheEventsThatWereGiven) {
   }
 }
 
-TEST(Simulator, KeepsNoMaskUnlessAsked) {
+TEST(Simulator, KeepsNoMaskUnlessAskedNorOfEventsThatTheFilterInFrontHasChanged) {
   Greedy scheme;
   EXPECT_FALSE(Simulator(scheme, slow()).kept());
+  const auto moved = [](EventSpan events, std::span<Event> out) {
+    std::copy(events.begin(), events.end(), out.begin());
+    out[0].x += 1;
+    return events.size();
+  };
+  Simulator simulator(scheme, slow(), {.front_filter = moved, .keep_mask = true});
+  simulator.feed(kSmall);
+  simulator.finish();
+  EXPECT_FALSE(simulator.kept());
 }
 
 TEST(Simulator, WhatWaitsWhenARunEndsEarlyIsNotKept) {

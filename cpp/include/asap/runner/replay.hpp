@@ -47,7 +47,8 @@ class Replay {
   RunStats stats() const;
   // A row per package. The caller's thread.
   const RunLog& log() const noexcept;
-  // Which events were delivered, if config.keep_mask. After run().
+  // Which events were delivered, if config.keep_mask, and unless the filter in front has changed
+  // them. After run().
   std::optional<KeptEvents> kept() const;
   // How late the producer pushed: its own and the machine's jitter, per push.
   const LatencyHistogram& lateness() const noexcept;

@@ -111,7 +111,8 @@ class Simulator {
   RunStats stats() const;
   // A row per package. The caller's thread.
   const RunLog& log() const noexcept;
-  // Which events were delivered, if config.keep_mask. After finish().
+  // Which events were delivered, if config.keep_mask, and unless the filter in front has changed
+  // them. After finish().
   std::optional<KeptEvents> kept() const;
   std::span<const Slot> slots() const noexcept;
   // Virtual time during which the algorithm worked, ns.
