@@ -89,8 +89,8 @@ def convert(
     Raises
     ------
     ValueError
-        A bad argument; a timestamp that goes back, or an event that the format cannot hold, with
-        its number.
+        A bad argument; an event that the format cannot hold, with its number; in arrays, a
+        timestamp that goes back. Of a file such events are left out, with a warning.
     UnsupportedFormat, CorruptFile, NoGoodEvent, OSError, RuntimeError
         As in `read`.
 
