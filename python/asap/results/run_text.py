@@ -242,7 +242,8 @@ def _run_remedy(run: Run, found: Diagnosis) -> str:
     if found.limit == "unknown":
         return (
             "These packages are too few, or too alike in size, to tell what of it is per event. "
-            "Those of another scheme may tell: asap.Greedy() takes all that waits."
+            "Those of another scheme may tell: asap.Greedy() takes all that waits. If the first "
+            "call compiles or loads something, call the algorithm once before the run."
         )
     if found.cost.one_size is not None:
         return ""
