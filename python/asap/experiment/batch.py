@@ -92,8 +92,7 @@ def map(
     pebble = library("pebble", "asap.map without an executor", "map")
     with pebble.ProcessPool(max(min(len(elements), _cores()), 1)) as pool:
         submit = partial(pool.submit, partial(_in_process, function), None)  # None: no time limit
-        results = _called(submit, elements, on_progress, dead=pebble.ProcessExpired)
-    return [one if isinstance(one, BaseException) else pickle.loads(one) for one in results]
+        return _called(submit, elements, on_progress, dead=pebble.ProcessExpired, read=pickle.loads)
 
 
 def _listed(recordings: Any) -> list[Any]:
@@ -108,8 +107,9 @@ def _called(
     elements: Sequence[Any],
     on_progress: Progress | None,
     dead: type[BaseException] = BrokenExecutor,
+    read: Callable[[Any], Any] = lambda result: result,
 ) -> list[Any]:
-    """Submit every element; once more where its process was `dead`."""
+    """Submit every element, once more where its process was `dead`, and `read` what comes back."""
     results: list[Any] = [None] * len(elements)
     running: dict[Future[Any], tuple[int, int]] = {}  # the element, and which try it is
     ended: SimpleQueue[Future[Any]] = SimpleQueue()
@@ -136,7 +136,10 @@ def _called(
                 begin(index, tries + 1)
             if isinstance(error, dead) and not isinstance(error, BrokenExecutor):
                 error = BrokenExecutor(str(error))
-            results[index] = future.result() if error is None else _failure(error, elements[index])
+            if error is None:
+                results[index] = read(future.result())
+            else:
+                results[index] = _failure(error, elements[index])
             if on_progress is not None:
                 on_progress(done, len(elements), {})
     finally:

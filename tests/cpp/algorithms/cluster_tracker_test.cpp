@@ -185,7 +185,7 @@ bool are_same(const std::vector<Cluster>& a, const std::vector<Cluster>& b) {
   });
 }
 
-// What is foreseen is what comes, if nothing comes.
+// A prediction is the state at that time, if no event comes.
 template <class Ask>
 void expect_as_foreseen(std::int64_t ahead_us, const Ask& ask) {
   const auto events = scene();

@@ -33,7 +33,7 @@ bool touch(const Track& a, const Track& b, Stamp now) noexcept {
   return distance <= kReach * (spread_along(a, ux, uy) + spread_along(b, ux, uy)) + kReach_px;
 }
 
-// Of the directions of a contour. No function: its last bits depend on the library.
+// Cosines of the directions of a contour; the last bits of std::cos depend on the library.
 constexpr std::array<float, kContourBins> kCosines{
     1,  0.92387953F,  0.70710678F,  0.38268343F,  0, -0.38268343F, -0.70710678F, -0.92387953F,
     -1, -0.92387953F, -0.70710678F, -0.38268343F, 0, 0.38268343F,  0.70710678F,  0.92387953F};
@@ -41,18 +41,21 @@ constexpr std::array<float, kContourBins> kCosines{
 // Around its outline, if half of that is known: in a filled disk the edge lies 1.4 standard
 // deviations beyond the mean radius. Else around 1.75 of its events': half a bar.
 Box box_of(const Track& track, const Contour& contour, const Point& mean) noexcept {
-  const float x = 1.75F * std::sqrt(std::max(0.0F, track.sxx));
-  const float y = 1.75F * std::sqrt(std::max(0.0F, track.syy));
-  Box outline{0, 0, 0, 0};
+  const float beyond = 1.4F * std::sqrt(contour.variance);
+  Box half{0, 0, 0, 0};
   std::size_t known = 0;
   for (std::size_t bin = 0; bin < kContourBins; ++bin) {
     if (!contour.known(bin)) continue;
     ++known;
-    const float radius = contour.radius[bin] + 1.4F * std::sqrt(contour.variance);
+    const float radius = contour.radius[bin] + beyond;
     const Point edge{radius * kCosines[bin], radius * kCosines[(bin + 12) % kContourBins]};
-    outline = united(outline, {edge.x, edge.y, edge.x, edge.y});
+    half = united(half, {edge.x, edge.y, edge.x, edge.y});
   }
-  const Box half = 2 * known >= kContourBins ? outline : Box{-x, -y, x, y};
+  if (2 * known < kContourBins) {
+    const float x = 1.75F * std::sqrt(std::max(0.0F, track.sxx));
+    const float y = 1.75F * std::sqrt(std::max(0.0F, track.syy));
+    half = {-x, -y, x, y};
+  }
   return {mean.x + half.left, mean.y + half.top, mean.x + half.right, mean.y + half.bottom};
 }
 

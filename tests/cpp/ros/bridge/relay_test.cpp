@@ -228,7 +228,7 @@ TEST(Relay, SaysThatNoFeedbackIsWanted) {
   EXPECT_EQ(complaint.message, "1 consumer gives no feedback: what it loses is not counted");
 }
 
-// What comes after the publication waits as this thread does. Here three others want its processor.
+// A consumer waits for a processor as this thread does; here three others compete for it.
 TEST(Relay, SaysThatItIsStarved) {
   cpu_set_t all, one;
   CPU_ZERO(&one);
