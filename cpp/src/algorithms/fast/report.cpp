@@ -143,7 +143,9 @@ void Engine::read_parts(std::int64_t id, std::vector<Cluster>& clusters) const {
           clusters.push_back(cluster_of(slot, track, state, clock_));
         });
   }
-  std::ranges::stable_sort(clusters, std::ranges::greater(), &Cluster::size);
+  std::ranges::sort(clusters, [](const Cluster& a, const Cluster& b) {
+    return a.size != b.size ? a.size > b.size : a.id < b.id;
+  });
 }
 
 }  // namespace asap::inline v0_1::fast
