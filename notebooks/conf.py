@@ -2,8 +2,8 @@
 
     pip install '.[docs]' && sphinx-build -W -c notebooks . build/site
 
-Two kinds of comments in the pages of `reference` become their contents:
-`<!-- python: names -->`, documented from docstrings, and `<!-- c++: folders -->`.
+Two kinds of blocks in the pages of `reference` become what they list: `{names}`, documented from
+docstrings, and `{headers}` of folders.
 """
 
 import itertools
@@ -105,12 +105,13 @@ def cpp(layers: list[str]) -> str:
 
 
 def expand(_app: Any, page: str, source: list[str]) -> None:
-    """Put contents in the place of the two comments."""
+    """Put contents in the place of the two kinds of blocks."""
     if page.startswith("notebooks/reference/"):
         source[0] = re.sub(
-            r"<!-- (python|c\+\+): (.*?) -->",
-            lambda found: {"python": python, "c++": cpp}[found[1]](found[2].split()),
+            r"^```\{(names|headers)\}\n(.*?)\n```$",
+            lambda found: {"names": python, "headers": cpp}[found[1]](found[2].split()),
             source[0],
+            flags=re.M,
         )
 
 
