@@ -44,13 +44,13 @@ struct PortableInt4 {
     return mask;
   }
 
-  // Bit i: now - lane i, modulo 2^32, is at most `age`.
-  static std::uint32_t mask_young(const Lanes& lanes, std::int32_t now, std::int32_t age) noexcept {
+  // Bit i: lanes i of a and b lie before the time, modulo 2^32.
+  static std::uint32_t mask_before(const Lanes& a, const Lanes& b, std::int32_t time) noexcept {
+    const auto since = [&](std::int32_t lane) {
+      return static_cast<std::uint32_t>(lane) - static_cast<std::uint32_t>(time);
+    };
     std::uint32_t mask = 0;
-    for (std::size_t i = 0; i < 4; ++i) {
-      const auto since = static_cast<std::uint32_t>(now) - static_cast<std::uint32_t>(lanes[i]);
-      mask |= static_cast<std::uint32_t>(static_cast<std::int32_t>(since) <= age) << i;
-    }
+    for (std::size_t i = 0; i < 4; ++i) mask |= (since(a[i]) & since(b[i])) >> 31 << i;
     return mask;
   }
 
@@ -99,10 +99,10 @@ struct Sse2Int4 {
     return static_cast<std::uint32_t>(_mm_movemask_ps(_mm_castsi128_ps(above)));
   }
 
-  static std::uint32_t mask_young(Lanes lanes, std::int32_t now, std::int32_t age) noexcept {
-    const __m128i since = _mm_sub_epi32(_mm_set1_epi32(now), lanes);
-    const __m128i old = _mm_cmpgt_epi32(since, _mm_set1_epi32(age));
-    return static_cast<std::uint32_t>(_mm_movemask_ps(_mm_castsi128_ps(old))) ^ 0b1111U;
+  static std::uint32_t mask_before(Lanes a, Lanes b, std::int32_t time) noexcept {
+    const __m128i start = _mm_set1_epi32(time);
+    const __m128i since = _mm_and_si128(_mm_sub_epi32(a, start), _mm_sub_epi32(b, start));
+    return static_cast<std::uint32_t>(_mm_movemask_ps(_mm_castsi128_ps(since)));
   }
 
   static Lanes count_above(Lanes counts, Lanes lanes, std::int32_t bar) noexcept {

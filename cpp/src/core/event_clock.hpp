@@ -42,6 +42,15 @@ class EventClock {
     return new_epoch;
   }
 
+  // Advances by less than `most_us` to a stamp that does not go back. False: it does nothing.
+  bool advance_by_less(std::uint64_t most_us, std::int64_t t_us) noexcept {
+    const std::uint64_t step_us = distance_us(latest_us_, t_us);
+    if (step_us >= most_us) return false;
+    latest_us_ = t_us;
+    now_us_ += step_us;
+    return true;
+  }
+
   // Advances without an event. A time of the past is ignored.
   void advance_to(std::int64_t t_us) noexcept {
     if (t_us > latest_us_) advance(t_us);

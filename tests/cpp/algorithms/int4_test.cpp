@@ -36,7 +36,7 @@ std::array<std::int64_t, 12> answers(const std::array<std::int32_t, 8>& numbers,
           counts[3],
           Int4::largest(a),
           Int4::mask_above(b, bar),
-          Int4::mask_young(b, numbers[0], bar),
+          Int4::mask_before(a, b, bar),
           Int4::sum(Int4::count_above(Int4::zero(), a, bar))};
 }
 

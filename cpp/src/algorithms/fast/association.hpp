@@ -25,10 +25,9 @@ namespace asap::inline v0_1::fast {
 // Square cells, with a border of one cell around the frame. OwnerGrid and BirthGrid share it.
 class CellMap {
  public:
-  CellMap(int width, int height, int side) noexcept
-      : shift_(std::countr_zero(static_cast<unsigned>(side))),
-        stride_((static_cast<std::size_t>(width - 1) >> shift_) + 3),
-        rows_((static_cast<std::size_t>(height - 1) >> shift_) + 3) {}
+  CellMap(int width, int height) noexcept
+      : stride_((static_cast<std::size_t>(width - 1) >> kShift) + 3),
+        rows_((static_cast<std::size_t>(height - 1) >> kShift) + 3) {}
 
   std::size_t size() const noexcept { return stride_ * rows_; }
   std::size_t stride() const noexcept { return stride_; }
@@ -36,7 +35,7 @@ class CellMap {
 
   // Precondition: the pixel lies in the frame.
   std::size_t cell(std::size_t x, std::size_t y) const noexcept {
-    return ((y >> shift_) + 1) * stride_ + (x >> shift_) + 1;
+    return ((y >> kShift) + 1) * stride_ + (x >> kShift) + 1;
   }
 
   // Cells of the frame, at most `half` columns and rows from the one nearest to a position.
@@ -61,11 +60,11 @@ class CellMap {
 
   // px, the middle of a column or row.
   float centre(std::size_t index) const noexcept {
-    const auto side = static_cast<float>(1 << shift_);
-    return (static_cast<float>(index) - 1) * side + (side - 1) / 2;
+    constexpr float kSide = kCell_px;
+    return (static_cast<float>(index) - 1) * kSide + (kSide - 1) / 2;
   }
 
-  int cells_in(float px) const noexcept { return static_cast<int>(px) >> shift_; }
+  int cells_in(float px) const noexcept { return static_cast<int>(px) >> kShift; }
 
   // Calls visit(cell) for the eight cells around one that is not in the border.
   template <class Visit>
@@ -80,13 +79,14 @@ class CellMap {
   }
 
  private:
-  int nearest(float position, std::size_t cells) const noexcept {
+  static constexpr int kShift = std::countr_zero(static_cast<unsigned>(kCell_px));
+
+  static int nearest(float position, std::size_t cells) noexcept {
     const auto last = static_cast<float>(cells - 2);
-    const float index = position / static_cast<float>(1 << shift_) + 1;
+    const float index = position / static_cast<float>(kCell_px) + 1;
     return static_cast<int>(std::clamp(index, 1.0F, last));
   }
 
-  int shift_;
   std::size_t stride_;
   std::size_t rows_;
 };

@@ -27,7 +27,7 @@ Engine::Engine(const ClusterTrackerConfig& config)
     : config_(config),
       settings_(config),
       frame_{static_cast<std::uint32_t>(config.width), static_cast<std::uint32_t>(config.height)},
-      map_(config.width, config.height, kCell_px),
+      map_(config.width, config.height),
       support_(config.width, config.height),
       owners_(map_),
       births_(map_),
@@ -71,10 +71,12 @@ void Engine::forget() noexcept {
   has_confirmed_ = false;
   next_split_ = 0;
   noise_hz_ = 0;
+  due_us_ = clock_.now_us();
 }
 
 void Engine::start() noexcept {
-  started_us_ = ticked_us_ = tracks_us_ = pairs_us_ = noise_us_ = objects_us_ = clock_.now_us();
+  started_us_ = tracks_us_ = pairs_us_ = noise_us_ = objects_us_ = clock_.now_us();
+  due_us_ = clock_.now_us() + kTick_us;
   tracks_are_due_ = true;
   settings_.update.far_weight = far_weight(noise_hz_);
   birth_threshold_ = kNever;
@@ -84,30 +86,22 @@ void Engine::start() noexcept {
 
 // ---- per event ----
 
-void Engine::process(EventSpan events, std::int32_t* labels) noexcept {
-  if (gamma_.take(events.size())) {
-    settings_.set_gamma(config_, gamma_.value(), filtered_upstream_);
-  }
-  if (labels == nullptr) {
-    for (const Event& event : events) process(event);
-  } else {
-    for (const Event& event : events) *labels++ = process(event);
-  }
+// Advances to an event that starts the tracker, makes a tick due or goes back.
+void Engine::advance(std::int64_t t_us) noexcept {
+  const bool first = !clock_.started();
+  clock_.advance(t_us);
+  if (first) start();
+  if (clock_.now_us() >= due_us_) tick();
 }
 
-std::int32_t Engine::process(const Event& event) noexcept {
+inline std::int32_t Engine::process(const Event& event) noexcept {
   if (event.x >= frame_.width || event.y >= frame_.height) [[unlikely]] {
     ++counters_.rejected;
     return kNoId;
   }
-  const bool first = !clock_.started();
-  clock_.advance(event.t);
-  if (first) [[unlikely]]
-    start();
+  if (!clock_.advance_by_less(due_us_ - clock_.now_us(), event.t)) [[unlikely]]
+    advance(event.t);
   const Stamp now = clock_.now();
-  if (clock_.now_us() - ticked_us_ >= kTick_us) [[unlikely]]
-    tick();
-
   bool may_begin = true;
   if (settings_.uses_support && !support_.touch(event.x, event.y, now, support_window_us_)) {
     noise_.count(event.x, event.y);
@@ -132,6 +126,16 @@ std::int32_t Engine::process(const Event& event) noexcept {
     }
   }
   return associate(event, index, now, may_begin);
+}
+
+void Engine::process(EventSpan events, std::int32_t* labels) noexcept {
+  if (gamma_.take(events.size())) {
+    settings_.set_gamma(config_, gamma_.value(), filtered_upstream_);
+  }
+  for (const Event& event : events) {
+    const std::int32_t id = process(event);
+    if (labels != nullptr) *labels++ = id;
+  }
 }
 
 // Assigns the event to the slot or, in contact, to a partner whose outline it fits better.
@@ -218,12 +222,12 @@ Tracks::Slot Engine::begin_track(float x, float y) noexcept {
 void Engine::advance_to(std::int64_t t_us) noexcept {
   if (!clock_.started()) return;
   clock_.advance_to(t_us);
-  if (clock_.now_us() - ticked_us_ >= kTick_us) tick();
+  if (clock_.now_us() >= due_us_) tick();
 }
 
 // Does half of the work, all of it after a missed tick, or begins anew after a long silence.
 void Engine::tick() noexcept {
-  const std::uint64_t since_us = clock_.now_us() - ticked_us_;
+  const std::uint64_t since_us = clock_.now_us() - (due_us_ - kTick_us);
   if (since_us > kSilence_us) {
     forget();
     return start();
@@ -233,7 +237,7 @@ void Engine::tick() noexcept {
   if (late || !tracks_are_due_) update_pairs_and_noise();
   update_objects();
   tracks_are_due_ = !tracks_are_due_;
-  ticked_us_ = clock_.now_us();
+  due_us_ = clock_.now_us() + kTick_us;
 }
 
 void Engine::update_tracks() noexcept {

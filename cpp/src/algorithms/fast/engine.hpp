@@ -82,6 +82,7 @@ class Engine {
   ObjectSum sum_of(std::size_t object, const EventClock& clock) const;
 
   // ---- per event ----
+  void advance(std::int64_t t_us) noexcept;
   std::int32_t process(const Event& event) noexcept;
   std::int32_t assign(Slot slot, OwnerGrid::Cell& cell, const Event& event, Stamp now) noexcept;
   std::int32_t associate(const Event& event, std::size_t cell, Stamp now, bool may_begin) noexcept;
@@ -127,7 +128,7 @@ class Engine {
   Reciprocals reciprocals_;
   DirectionTable directions_;
   Counters counters_;
-  std::uint64_t ticked_us_ = 0;
+  std::uint64_t due_us_ = 0;    // the next tick
   bool tracks_are_due_ = true;  // the next tick updates tracks, else noise and pairs
   std::uint64_t started_us_ = 0;
   bool has_confirmed_ = false;  // a track, since the objects were updated

@@ -32,15 +32,14 @@ class SupportMap {
 
   // Whether an event at a pixel of the frame has support. Notes the event.
   bool touch(std::size_t x, std::size_t y, Stamp now, std::int32_t window_us) noexcept {
-    std::int32_t* own = stamps_.data() + (y + 1) * stride_ + x + 1;
-    const auto time = static_cast<std::int32_t>(now);
-    const auto young = [&](const std::int32_t* row) {
-      return Int4::mask_young(Int4::load(row - 1), time, window_us);
-    };
-    const std::uint32_t outer = young(own - stride_) | young(own + stride_);
-    const bool support = ((outer & 0b111) | (young(own) & 0b101)) != 0;
-    *own = time;
-    return support;
+    std::int32_t* corner = stamps_.data() + y * stride_ + x;
+    const auto since = static_cast<std::int32_t>(now - static_cast<Stamp>(window_us));
+    const auto row = Int4::load(corner + stride_);
+    const std::uint32_t outer =
+        Int4::mask_before(Int4::load(corner), Int4::load(corner + 2 * stride_), since);
+    const std::uint32_t old = outer & (Int4::mask_before(row, row, since) | 0b010);
+    corner[stride_ + 1] = static_cast<std::int32_t>(now);
+    return (old & 0b111) != 0b111;
   }
 
   void scrub(Stamp now, std::uint64_t elapsed_us) noexcept {

@@ -13,7 +13,7 @@ namespace {
 struct HalfScene {
   static constexpr Stamp kNow = 100'000;
 
-  CellMap map{100, 100, 4};
+  CellMap map{100, 100};
   OwnerGrid owners{map};
   Tracks tracks{4};
   HalfFinder halves{map};
