@@ -9,7 +9,7 @@ from hypothesis.extra.numpy import arrays
 import asap
 from asap import analysis
 from asap._core import PACKAGE_DTYPE
-from asap.results import numbers, run_text
+from asap.results import diagnosis
 from fake_run import fake_run
 
 EVENT_DTYPE = np.dtype(
@@ -183,7 +183,7 @@ def test_what_the_filter_in_front_takes_out_is_not_the_algorithms_fault():
     run = steady(1e6, filtered=1_000_000)
     assert run.in_time < 0.6
     assert analysis.diagnose(run).limit == "camera"
-    said = run_text.run_verdict(run)
+    said = diagnosis.verdict(run)
     assert "No event was lost" in said
     assert "filter" in said
 
@@ -261,7 +261,7 @@ def test_windows_say_where_the_events_of_their_time_went():
     run = steady(1e6)
     ledger = replace(run.ledger, stale=730, overflow=10)
     run = replace(run, packages=rows, ledger=ledger, source=run.source | {"duration_s": 0.13})
-    found = numbers.windows(run, 10_000)
+    found = diagnosis.windows(run, 10_000)
     assert found.edges_s == pytest.approx(np.arange(14) / 100)
     assert found.delivered.tolist() == [100, 90, 0, 0, 0, 0, 0, 0, 0, 50, 0, 0, 0]
     assert found.filtered.tolist() == [0, 20, *[0] * 11]
@@ -279,7 +279,7 @@ def test_rates_of_windows_are_counts_at_any_load(seed, rate_hz):
     """A package of one event has a rate of 1 Mev/s by itself; a window has the true one."""
     t = np.sort(np.random.default_rng(seed).integers(0, 10**6, rate_hz))
     run = asap.simulate(events_at(t), cost=asap.LinearCost(50, 200), latency_ms=10)
-    found = numbers.windows(run)
+    found = diagnosis.windows(run)
     counts, _ = np.histogram((t - t[0]) / 1e6, found.edges_s)
     assert np.abs(found.received - counts).sum() < 0.05 * rate_hz
     assert np.median(found.rate_hz(found.received)) == pytest.approx(rate_hz, rel=0.2)

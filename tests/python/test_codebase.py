@@ -40,8 +40,8 @@ PYTHON_LAYERS = (
     {"events", "tiled"},
     {"io", "synthetic"},
     {"results"},
-    {"analysis", "experiment", "plots"},
-    {"camera", "inspection", "viewer"},
+    {"analysis", "experiment"},
+    {"camera", "inspection", "plots", "viewer"},
     {"cli"},
     {"__main__"},
 )

@@ -8,7 +8,7 @@ import streams
 
 pytest.importorskip("matplotlib")
 
-from asap.results import figures as plots
+from asap import plots
 
 COST = asap.LinearCost(alpha_us=100, beta_ns=300)
 EVENTS = streams.poisson(6e6, 0.05)

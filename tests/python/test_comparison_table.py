@@ -8,7 +8,7 @@ import pytest
 
 import asap
 import streams
-from asap.results import comparison_text
+from asap.results import comparison as results
 
 COST = asap.LinearCost(alpha_us=100, beta_ns=300)
 EVENTS = streams.poisson(6e6, 0.05)
@@ -26,14 +26,14 @@ def row(label="A", score=0.5, p99_us=4000.0, max_us=4500.0, **others):
 
 
 def verdict(comparison, *rows, **others):
-    return comparison_text.comparison_verdict(replace(comparison, rows=list(rows), **others))
+    return results.verdict(replace(comparison, rows=list(rows), **others))
 
 
 def test_a_line_for_each_scheme_between_head_and_oracle(comparison):
     lines = str(comparison).splitlines()
     assert lines[0] == "array: 8 schemes beside the oracle"
     head = next(i for i, line in enumerate(lines) if line.startswith("scheme"))
-    assert lines[head].split() == list(comparison_text.COLUMNS)
+    assert lines[head].split() == list(results.COLUMNS)
     names = [line.split("  ")[0] for line in lines[head + 2 : head + 10]]
     assert names == [row.label for row in comparison.rows]
     assert set(lines[head + 1]) == set(lines[head + 10]) == {"-"}

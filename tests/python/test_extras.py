@@ -16,7 +16,7 @@ from asap import viewer
 from asap.viewer import monitor
 
 # Modules that import their library when they are loaded.
-LOADED = ("asap.io.hdf5", "asap.io.matlab", "asap.results.animation")
+LOADED = ("asap.io.hdf5", "asap.io.matlab", "asap.viewer.animation")
 
 
 def load(content: bytes) -> Callable[[Path], object]:
@@ -55,7 +55,7 @@ def load_folder(folder: Path) -> object:
         ("rich", "monitor", lambda _: monitor.need_terminal()),
         ("rerun", "view", lambda folder: viewer.View(folder / "run.rrd")),
         ("pebble", "map", lambda _: asap.map(len, [streams.make([1, 2])])),
-        ("PIL", "report", lambda _: importlib.import_module("asap.results.animation")),
+        ("PIL", "report", lambda _: importlib.import_module("asap.viewer.animation")),
     ],
 )
 def test_a_missing_library_is_named_with_its_extra(

@@ -10,7 +10,7 @@ matplotlib = pytest.importorskip("matplotlib")
 
 from matplotlib.figure import Figure  # noqa: E402
 
-from asap.results import figures as plots  # noqa: E402
+from asap import plots  # noqa: E402
 
 EVENT_DTYPE = np.dtype([("x", "<u2"), ("y", "<u2"), ("p", "<i2"), ("t", "<i8")], align=True)
 CLUSTER_DTYPE = np.dtype(

@@ -130,7 +130,7 @@ def test_a_path_is_checked_before_the_work(
         pytest.skip("no page")
     if method == "report":
         pytest.importorskip("matplotlib")
-        monkeypatch.setattr(asap.results.figures.NotebookFigure, "__init__", None)
+        monkeypatch.setattr(asap.plots.NotebookFigure, "__init__", None)
     monkeypatch.setattr(type(result), "summary", None)
     for path, error in (
         (5, TypeError),
@@ -157,7 +157,7 @@ def test_a_notebook_shows_a_table_and_the_verdict(result: Any) -> None:
 def test_no_notebook_needs_matplotlib(monkeypatch: pytest.MonkeyPatch) -> None:
     for name in [*sys.modules]:
         if name.partition(".")[0] == "matplotlib" or name in (
-            "asap.results.figures",
+            "asap.plots",
             "asap.results.page",
         ):
             monkeypatch.setitem(sys.modules, name, None)

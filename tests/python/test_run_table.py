@@ -5,7 +5,9 @@ import numpy as np
 import pytest
 
 import asap
-from asap.results import Ledger, run_text
+from asap.results import Ledger
+from asap.results.diagnosis import verdict as verdict_of
+from asap.results.run import format_ledger
 from fake_run import empty_run, fake_run
 
 
@@ -24,7 +26,7 @@ RUNS = {
 
 
 def test_every_loss_stands_in_its_own_line_with_its_cause():
-    lines = run_text.format_ledger(RUNS["losses"].ledger).splitlines()
+    lines = format_ledger(RUNS["losses"].ledger).splitlines()
     counts = {line.split()[0]: int(line.split()[1].replace(",", "")) for line in lines}
     assert counts == RUNS["losses"].ledger
 
@@ -33,7 +35,7 @@ def test_every_loss_stands_in_its_own_line_with_its_cause():
 def test_an_unbalanced_ledger_is_not_hidden(missing):
     received = RUNS["losses"].ledger.received + missing
     ledger = Ledger(**dict(RUNS["losses"].ledger, received=received))
-    assert run_text.format_ledger(ledger).splitlines()[-1] == (
+    assert format_ledger(ledger).splitlines()[-1] == (
         f"  NOT BALANCED: {missing} events are unaccounted for"
     )
 
@@ -49,7 +51,7 @@ def test_an_unbalanced_ledger_is_not_hidden(missing):
     ],
 )
 def test_the_verdict_says_what_limits_and_what_was_lost(run, words):
-    verdict = run_text.run_verdict(run)
+    verdict = verdict_of(run)
     assert all(word in verdict for word in words), verdict
 
 
@@ -60,18 +62,18 @@ def test_a_machine_that_cannot_keep_pace_is_neither_the_cameras_nor_the_schemes_
     """However little was lost: each late push stands for 1 ms."""
     lateness_us = np.repeat([60.0, 8000.0], [1000, late])
     run = steady(1e6, mode="real", rate_bound=1e6 / thinned, lateness_us=lateness_us)
-    verdict = run_text.run_verdict(run)
+    verdict = verdict_of(run)
     assert "Bottleneck: this machine." in verdict
     share = re.search(r"late, by 8 ms at most .* half the bound for ([\d.]+) % of", verdict)[1]
     assert float(share) == pytest.approx(late / 10, abs=0.2)
     quiet = steady(1e6, mode="real", rate_bound=1e6 / thinned)
-    assert "Bottleneck: this machine." not in run_text.run_verdict(quiet)
+    assert "Bottleneck: this machine." not in verdict_of(quiet)
 
 
 @pytest.mark.parametrize(("held_s", "is_blamed"), [(0.1, True), (0.0, False), (None, False)])
 def test_a_thread_that_had_no_processor_is_not_the_schemes_fault(held_s, is_blamed):
     run = steady(1e6, rate_bound=None, stale=80_000, mode="real", held_s=held_s)
-    verdict = run_text.run_verdict(dataclasses.replace(run, lateness=None))
+    verdict = verdict_of(dataclasses.replace(run, lateness=None))
     assert ("Bottleneck: this machine." in verdict) == is_blamed
     assert ("waited for a processor for 100 ms" in verdict) == is_blamed
 

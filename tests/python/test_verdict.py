@@ -11,7 +11,7 @@ import pytest
 import asap
 import streams
 from asap import analysis
-from asap.results import numbers
+from asap.results import diagnosis
 
 Events = Any
 
@@ -120,10 +120,10 @@ def test_pauses_without_a_processor_are_the_machines(held: float | None, limit: 
 
 def test_what_was_lost_before_the_first_package_came_in_all_that_time() -> None:
     run = Case(outages_ms=((0.0, 3000.0),)).run()
-    found = numbers.windows(run, 1e5)
+    found = diagnosis.windows(run, 1e5)
     assert found.received[:80] == pytest.approx(2000, rel=0.2)
     assert run.packages["stale"][0] > 50_000
-    assert numbers.time_s(run)[0] == pytest.approx(3.0, abs=0.01)
+    assert diagnosis.time_s(run)[0] == pytest.approx(3.0, abs=0.01)
 
 
 def test_a_run_measures_how_long_its_thread_had_no_processor() -> None:

@@ -169,12 +169,13 @@ def hand_over(run: Any, arguments: Any, tracks: Any, *written: Path | None) -> i
 
 def need_report() -> None:
     """Say that a page cannot be written before the run, not after it."""
+    _needed("asap.plots")
     _needed("asap.results.page")
 
 
 def need_video(path: Path) -> None:
     """Say that a video cannot be written before the run, not after it."""
-    animation = _needed("asap.results.animation")
+    animation = _needed("asap.viewer.animation")
     with usage(), writing(path):
         animation.check_name(path)
 

@@ -12,9 +12,9 @@ from asap.experiment.runners import Progress
 from asap.inspection.findings import judge
 from asap.inspection.meters import BadEvents, Meters
 from asap.inspection.raw_source import RawSource
+from asap.inspection.result import Inspection
 from asap.io import TruncatedFileWarning, read
 from asap.io.source import names_files
-from asap.results import Inspection
 
 
 def check(

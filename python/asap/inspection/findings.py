@@ -19,7 +19,7 @@ from asap.inspection.meters import (
     Tally,
 )
 from asap.inspection.raw_source import RawSource
-from asap.results.inspection import NOTE, OK, WRONG, Finding
+from asap.inspection.result import NOTE, OK, WRONG, Finding
 
 WRONG_GAP_US = 1_000_000  # so far ahead is as odd as so far back, which is a clock reset
 # Shares of the good events.

@@ -13,11 +13,11 @@ import numpy as np
 import numpy.typing as npt
 
 from asap import _core
+from asap.analysis import PeakCount
 from asap.events import EVENT_DTYPE, Events
 from asap.events.order import NEW_EPOCH_US
 from asap.events.values import HEAD
-from asap.results.inspection import BINS_FROM_US
-from asap.results.numbers import PeakCount
+from asap.inspection.result import BINS_FROM_US
 
 Integers = npt.NDArray[np.int64]
 

@@ -18,12 +18,10 @@ import numpy as np
 
 from asap import _checks, _units
 from asap.io.writers import replacing
-from asap.results import figures, html  # figures first: it says which extra is missing
-from asap.results.comparison import Comparison
-from asap.results.comparison_text import COLUMNS, comparison_html
+from asap.results import html
+from asap.results.comparison import COLUMNS, Comparison
 from asap.results.result import flat
-from asap.results.run import Run
-from asap.results.run_text import parameter_value, run_html, run_title
+from asap.results.run import Run, parameter_value, run_title
 
 try:
     import jinja2
@@ -72,7 +70,9 @@ class Article:
     def image(self) -> str:
         """The figure as the address of an image."""
         assert self.figure is not None
-        drawn = figures.svg(self.figure).encode("utf-8", "replace")
+        from asap import plots
+
+        drawn = plots.svg(self.figure).encode("utf-8", "replace")
         return f"data:image/svg+xml;base64,{base64.b64encode(drawn).decode()}"
 
     @property
@@ -124,19 +124,22 @@ def _articles_of_run(run: Run) -> Iterator[Article]:
     yield Article(
         "run",
         summary,
-        run_html(run),
-        None if run.without_log else figures.figure(run),
+        run._repr_html_(),
+        None if run.without_log else run.plot(),
         "What the closed loop did: rates and shares in windows of time, the rest by package.",
         {"All numbers of this run": html.table((), _all_numbers(summary))},
     )
     tracks = getattr(run.algorithm, "tracks", None)
     if isinstance(tracks, np.ndarray) and {"id", "x", "y"} <= set(tracks.dtype.names or ()):
+        from asap import plots
+
         found = int(np.unique(tracks["id"]).size)
+        drawn: Any = plots.tracks(tracks, events=getattr(run.algorithm, "seen", None)).figure
         yield Article(
             "tracks",
             {"tracks": found, "rows": int(tracks.size)},
             html.heading(f"Tracks of {_units.count(found)} objects"),
-            figures.tracks_figure(tracks, getattr(run.algorithm, "seen", None)),
+            drawn,
             "Where the objects went, the 40 longest tracks in colour and named at their ends. "
             "Grey: some of the events.",
         )
@@ -173,8 +176,8 @@ def _articles_of_comparison(comparison: Comparison) -> Iterator[Article]:
     yield Article(
         "comparison",
         comparison.summary(),
-        comparison_html(comparison),
-        figures.comparison_figure(comparison),
+        comparison._repr_html_(),
+        comparison.plot(),
         "Every scheme over time: the largest latency of the events of each moment, and the share "
         "of the events that was finished. Latencies beyond 100 L are drawn at 100 L.",
         {

@@ -1,4 +1,4 @@
-"""What a run has left behind."""
+"""What a run has left behind, and how it is shown as text."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from asap import _checks, _core
+from asap import _checks, _core, _units
+from asap.results import html
 from asap.results.cost import Cost, bound_needed_us, fit, keeps
 from asap.results.result import (
     SCHEMA_VERSION,
@@ -25,6 +26,9 @@ from asap.results.result import (
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+_WIDTH = 78
+LONG_GAP = 0.5  # times the bound
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -67,6 +71,17 @@ class Ledger(Mapping[str, int]):
 
 
 LEDGER_FIELDS = tuple(field.name for field in fields(Ledger))
+LEDGER_WORDS = {
+    "received": "handed to ASAP",
+    "rejected": "bad data, such as times that go back",
+    "filtered": "taken out by the filter in front",
+    "discarded": "thinned out by gamma, at random: a choice",
+    "stale": "thrown away as too old for the bound",
+    "overflow": "did not fit into the buffer: a failure",
+    "pending": "still waiting at the end",
+    "delivered": "processed by the algorithm",
+}
+"""Every entry of the ledger in words, in the order in which an event may leave."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -260,9 +275,9 @@ class Run(Result):
 
     def plot(self) -> Figure:
         """Draw the paper's figure: package size, R, gamma, margin and latency over time."""
-        from asap.results import figures
+        from asap import plots
 
-        return figures.figure(self)
+        return plots.figure(self)
 
     def report(self, path: str | os.PathLike[str]) -> Path:
         """Write one self-contained HTML page and return its path; needs the extra `report`."""
@@ -276,19 +291,48 @@ class Run(Result):
         In real time, of a run whose algorithm was an `asap.Tracks`. Needs the extra `report`, and
         for MP4 the program ffmpeg.
         """
-        from asap.results import animation
+        from asap.viewer import animation
 
         return animation.write(self, path)
 
     def _repr_html_(self) -> str:
-        from asap.results import run_text
+        from asap.results.diagnosis import verdict
 
-        return run_text.run_html(self)
+        summary, received = self.summary(), self.ledger.received
+        reasons = _units.reasons(self.rejected)
+        ledger = [
+            (
+                cause,
+                _units.count(self.ledger[cause]),
+                _share_of(self.ledger[cause], received),
+                f"{words}: {reasons}" if cause == "rejected" and reasons else words,
+            )
+            for cause, words in LEDGER_WORDS.items()
+        ]
+        return (
+            html.heading(run_title(summary), run_subtitle(summary))
+            + html.table((), run_figures(self, summary).items())
+            + html.table(("", "events", "share", ""), ledger)
+            + html.verdict(verdict(self))
+        )
 
     def __str__(self) -> str:
-        from asap.results import run_text
+        """Write a short text table of at most 78 columns that ends with the verdict."""
+        from asap.results.diagnosis import verdict
 
-        return run_text.format_run(self)
+        summary = self.summary()
+        return "\n".join(
+            [
+                run_title(summary),
+                *_units.wrapped(run_subtitle(summary), _WIDTH),
+                "",
+                *(f"  {name:<11}{value}" for name, value in run_figures(self, summary).items()),
+                "",
+                format_ledger(self.ledger, self.rejected),
+                "",
+                *_units.wrapped(verdict(self), _WIDTH),
+            ]
+        )
 
     def __repr__(self) -> str:
         left = self._left_behind
@@ -342,3 +386,121 @@ def _busy_share(packages: NDArray[np.void], speed: float) -> float:
     first, last = packages[0], packages[-1]
     elapsed_us = (last["start_us"] - first["start_us"]) / speed + last["processing_us"]
     return float(packages["processing_us"].sum() / elapsed_us) if elapsed_us > 0 else 0.0
+
+
+# ---- as text ------------------------------------------------------------------------------------
+
+
+def run_figures(run: Run, summary: Mapping[str, Any]) -> dict[str, str]:
+    """Write what a run came to, by name."""
+    latency, packages, gamma = summary["latency_us"], summary["packages"], summary["gamma"]
+    bound = _units.duration(run.latency_bound_us)
+    rows = [
+        ("kept", _units.share(run.kept)),
+        ("in time", f"{_units.share(run.in_time)} within {bound}"),
+        (
+            "latency",
+            f"p50 {_units.duration(latency['p50'])}, p99 {_units.duration(latency['p99'])}, "
+            f"max {_units.duration(latency['max'])}"
+            if run.ledger.delivered
+            else "-",
+        ),
+        (
+            "packages",
+            f"{_units.count(packages['count'])}, {_units.count(packages['per_s'])} per s; "
+            f"size mean {_units.count(packages['size_mean'])}, "
+            f"max {_units.count(packages['size_max'])}",
+        ),
+        ("gap", _run_gap(summary["gap_us"])),
+        ("gamma", f"mean {gamma['mean']:.3f}, min {gamma['min']:.3f}; seed {summary['seed']}"),
+        ("busy", f"{_units.share(summary['cpu'])} of the time in the algorithm"),
+    ]
+    cost = summary["estimated_cost"] and Cost(**summary["estimated_cost"])
+    if cost and cost.one_size is None and cost.alpha_us > 0:
+        both_us = cost.least_bound_us, 100 * cost.alpha_us  # 10 us: the shortest bound there is
+        least, most = (_units.duration(max(us, 10)) for us in both_us)
+        rows.append(
+            (
+                "bounds",
+                f"at least {least} at this cost; from {most} on nearly all that its speed allows",
+            )
+        )
+    if pacing := summary["pacing_us"]:
+        late = ", ".join(f"{q} {_units.duration(pacing[q])}" for q in ("p50", "p99", "max"))
+        rows.append(("pace", f"{late}: by so much the replay itself was late"))
+    lost = summary["source"].get("upstream_lost", {})
+    if any(lost.values()):
+        rows.append(
+            ("driver", f"lost {lost['marks']} marks, {lost['packets']} packets before ASAP")
+        )
+    if isinstance(refused := getattr(run.algorithm, "refused", 0), int) and refused:
+        words = f"all slots taken, {_units.count(refused)} times no cluster could begin"
+        rows.append(("clusters", f"{words}; give it more slots"))
+    return dict(rows)
+
+
+def _run_gap(gap_us: int | None) -> str:
+    if not gap_us:
+        return "none" if gap_us == 0 else "not known"
+    return f"{_units.duration(gap_us)} at most without a processed event while events came"
+
+
+def format_ledger(ledger: Mapping[str, int], rejected: Mapping[str, int] | None = None) -> str:
+    """Write where every event went, one line for each cause; rejected events by reason."""
+    width = max(len(_units.count(value)) for value in ledger.values())
+    received, lines = ledger["received"], []
+    for name, words in LEDGER_WORDS.items():
+        share = _units.share(ledger[name] / received) if ledger[name] and received else ""
+        number = f"{_units.count(ledger[name]):>{width}}"
+        lines.append(f"  {name:<11}{number}  {share:>8}  {words}")
+        if name == "rejected" and (reasons := _units.reasons(rejected or {})):
+            lines.append(f"{'':<13}{reasons}")
+    missing = 2 * received - sum(ledger.values())
+    if missing:
+        lines.append(f"  NOT BALANCED: {_units.count(missing)} events are unaccounted for")
+    return "\n".join(lines)
+
+
+def run_title(summary: Mapping[str, Any]) -> str:
+    """Name a run by its recording (its format, where it has no path) and its scheme."""
+    source = summary["source"]
+    name = os.path.basename(source["path"] or "") or source["format"]
+    return f"{name}: {summary['scheme']['name']}"
+
+
+def run_subtitle(summary: Mapping[str, Any]) -> str:
+    """Say what was run: recording, clock, algorithm and the parameters of the scheme."""
+    source, scheme = summary["source"], dict(summary["scheme"])
+    clock = "virtual time" if summary["mode"] == "virtual" else "real time"
+    if summary["speed"] != 1:
+        clock += f" at {summary['speed']:g} times the speed"
+    name = scheme.pop("name")
+    parameters = ", ".join(
+        f"{key} {parameter_value(value)}" for key, value in scheme.items() if value is not None
+    )
+    return (
+        f"{sensor(source)}, {_units.count(source['events'])} events in "
+        f"{source['duration_s']:.3g} s, {clock}, "
+        f"algorithm {summary['algorithm']['name']}, scheme {name}"
+        + (f" ({parameters})" if parameters else "")
+    )
+
+
+def sensor(source: Mapping[str, Any]) -> str:
+    """Name the sensor of a source, and which addresses could not be checked for want of it."""
+    width, height = source["width"], source["height"]
+    if not (width or height):
+        return "sensor unknown, addresses not checked"
+    unchecked = "" if width and height else f", {'y' if width else 'x'} not checked"
+    return f"{width or '?'} x {height or '?'} px{unchecked}"
+
+
+def parameter_value(parameter: Any) -> str:
+    """Write the value of a parameter."""
+    if isinstance(parameter, (int, float)) and parameter == round(parameter):
+        return _units.count(parameter)
+    return f"{parameter:g}" if isinstance(parameter, float) else str(parameter)
+
+
+def _share_of(count: int, received: int) -> str:
+    return _units.share(count / received) if count and received else ""

@@ -26,8 +26,8 @@ from asap.experiment.pipeline import Pipeline
 from asap.experiment.telemetry import TELEMETRY_DTYPE, Rows, as_rows
 from asap.io.errors import library
 from asap.results import Run
-from asap.results.pictures import found_by, frames
 from asap.viewer import monitor, rerun
+from asap.viewer.pictures import found_by, frames
 from asap.viewer.rerun import PORT
 
 __all__ = ["View", "view"]

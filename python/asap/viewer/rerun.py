@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from asap.events import Events
 from asap.experiment.telemetry import Rows, summed
-from asap.results.pictures import BRIGHT, COLOURS, outlines_of, painted
+from asap.viewer.pictures import BRIGHT, COLOURS, outlines_of, painted
 
 PORT = 9876
 

@@ -1,241 +1,19 @@
-"""Numbers from events and from runs, in plain NumPy: what tables, figures and pages have in common.
-
-Times are seconds from the first event; rates are events per second; windows are half-open.
-"""
+"""What limited a run, what that cost, and what would lift the limit: in numbers and in words."""
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Iterable, Iterator
+import math
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from asap import _checks
-from asap.events import events_of_argument
-from asap.results.cost import Cost, Floats, bound_needed_us, fit
-from asap.results.run import Run, check_run
+from asap import _checks, _units
+from asap.results.cost import MIN_BOUND, Cost, Floats, bound_needed_us, fit
+from asap.results.run import LONG_GAP, Run, check_run
 
-_MAX_BINS = 10_000_000
 _FAR = 3.5  # sigma of the noise of a cost
-_POSITIVE = "must be positive and finite"
-
-
-def rate(events: NDArray[np.void], bin_us: float) -> tuple[Floats, Floats]:
-    """Event rate in windows of equal length, the first of which begins with the first event.
-
-    Parameters
-    ----------
-    events : ndarray, shape (n,), EVENT_DTYPE
-        Events in time order.
-    bin_us : float
-        Length of a window in us.
-
-    Returns
-    -------
-    time_s : ndarray, shape (m,)
-        Begin of each window, s from the first event.
-    rate_hz : ndarray, shape (m,)
-        Events per second in it.
-
-    Raises
-    ------
-    ValueError
-        `bin_us` is not positive, or so short that there would be more than ten million windows.
-    """
-    events = events_of_argument("events", events)
-    _checks.number("bin_us", bin_us, sys.float_info.min, sys.float_info.max, _POSITIVE)
-    if events.size == 0:
-        return np.empty(0), np.empty(0)
-    elapsed_us = events["t"] - events["t"][0]
-    fits = int(elapsed_us[-1]) / float(bin_us) < _MAX_BINS
-    _checks.require(fits, "bin_us", bin_us, "too short for this duration")
-    bin_us = float(bin_us)
-    counts = np.bincount((elapsed_us // bin_us).astype(np.int64))
-    time_s = np.arange(counts.size, dtype=np.float64) * (bin_us / 1e6)
-    return time_s, counts.astype(np.float64) * (1e6 / bin_us)
-
-
-@dataclass(frozen=True)
-class Description:
-    """What a recording holds: counts, duration, rates in ev/s and the largest coordinates in px.
-
-    Peaks are of aligned windows, of the whole duration where it is shorter than one.
-    """
-
-    events: int
-    duration_s: float
-    on_share: float
-    rate_mean_hz: float
-    rate_peak_1ms_hz: float
-    rate_peak_10ms_hz: float
-    x_max: int
-    y_max: int
-
-
-def _blocks(blocks: Iterable[NDArray[np.void]]) -> Iterator[NDArray[np.void]]:
-    if not isinstance(blocks, Iterable) or isinstance(blocks, (str, np.ndarray)):
-        raise TypeError(_checks.named("blocks", blocks, "give a recording, or a list of arrays"))
-    return (events_of_argument("blocks", block) for block in blocks)
-
-
-def describe(blocks: Iterable[NDArray[np.void]]) -> Description:
-    """Count, duration, rates, share of ON events and reach of a recording, block by block.
-
-    Parameters
-    ----------
-    blocks : iterable of ndarray, EVENT_DTYPE
-        The recording in time order; it is read once and never held as a whole.
-
-    Returns
-    -------
-    Description
-        Mean rate = events / (last time - first time); a recording without duration has rate 0.
-    """
-    events = on = x_max = y_max = 0
-    t_first = t_last = 0
-    fine, coarse = PeakCount(1_000), PeakCount(10_000)
-    for block in _blocks(blocks):
-        if block.size == 0:
-            continue
-        t = block["t"]
-        if events == 0:
-            t_first = int(t[0])
-        events += block.size
-        on += int(np.count_nonzero(block["p"] > 0))
-        t_last = int(t[-1])
-        x_max, y_max = max(x_max, int(block["x"].max())), max(y_max, int(block["y"].max()))
-        fine.add(t - t_first)
-        coarse.add(t - t_first)
-    duration_s = (t_last - t_first) / 1e6
-    return Description(
-        events=events,
-        duration_s=duration_s,
-        on_share=on / events if events else 0.0,
-        rate_mean_hz=events / duration_s if duration_s > 0 else 0.0,
-        rate_peak_1ms_hz=fine.rate_hz,
-        rate_peak_10ms_hz=coarse.rate_hz,
-        x_max=x_max,
-        y_max=y_max,
-    )
-
-
-class PeakCount:
-    """Largest number of events in one aligned window, over blocks that may cut a window."""
-
-    def __init__(self, window_us: int) -> None:
-        """Count in windows of this length, the first of which begins at 0."""
-        _checks.whole("window_us", window_us, 1, 2**62, "give at least 1 us")
-        self.peak = 0
-        self._window_us = window_us
-        self._open_window = -1
-        self._open_count = 0
-        self._last_us = 0
-
-    @property
-    def rate_hz(self) -> float:
-        """Events per second in that window, of which no more counts than the duration."""
-        return self.peak * 1e6 / (min(self._window_us, self._last_us) or self._window_us)
-
-    def add(self, elapsed_us: NDArray[np.int64]) -> None:
-        """Count the times of one block, at least one, none before those of the last block."""
-        elapsed_us = _checks.column("elapsed_us", elapsed_us)
-        _checks.require(elapsed_us.size > 0, "elapsed_us", elapsed_us, "give at least one time")
-        windows, counts = np.unique(elapsed_us // self._window_us, return_counts=True)
-        if windows[0] == self._open_window:
-            counts[0] += self._open_count
-        self.peak = max(self.peak, int(counts.max()))
-        self._open_window, self._open_count = int(windows[-1]), int(counts[-1])
-        self._last_us = int(elapsed_us[-1])
-
-
-def decimate(x: Floats, y: Floats, points: int) -> tuple[Floats, Floats]:
-    """Thin a curve for drawing: smallest and largest y of every column of pixels stay.
-
-    Parameters
-    ----------
-    x : ndarray, shape (n,)
-        Not decreasing.
-    y : ndarray, shape (n,)
-        One value for each x.
-    points : int
-        The most points to keep, at least 4.
-
-    Returns
-    -------
-    x, y : ndarray, shape (m,)
-        At most `points` of the given points in their order, the first and the last among them.
-
-    Raises
-    ------
-    ValueError
-        `points` is below 4.
-    """
-    x, y = _checks.column("x", x), _checks.column("y", y)
-    _checks.require(x.size == y.size, "y", y, f"give one value for each of the {x.size} x")
-    _checks.whole("points", points, 4, 2**62, "must be at least 4")
-    if x.size <= points:
-        return x, y
-    columns = (points - 2) // 2
-    column = np.minimum((x - x[0]) / max(x[-1] - x[0], 1e-300) * columns, columns - 1)
-    column = column.astype(np.int64)
-    by_height = np.lexsort((y, column))
-    begins = np.flatnonzero(np.diff(column, prepend=-1))
-    ends = np.append(begins[1:], x.size) - 1
-    keep = np.unique(np.concatenate(([0, x.size - 1], by_height[begins], by_height[ends])))
-    return x[keep], y[keep]
-
-
-def time_s(run: Run) -> Floats:
-    """Start of each package in s from the first event, shape (packages,)."""
-    check_run(run)
-    rows = run.packages
-    if rows.size == 0:
-        return np.empty(0)
-    return np.asarray((rows["start_us"] - _begin_us(run)) / 1e6, np.float64)
-
-
-def _begin_us(run: Run) -> float:
-    """Return the stamp of the first event, which may have been lost before the first package."""
-    rows = run.packages
-    is_lost = rows["stale"][0] + rows["overflow"][0] > 0
-    lasted_us = float(run.source["duration_s"]) * 1e6 * bool(is_lost)
-    return min(float(rows["t_first"][0]), float(rows["t_last"][-1]) + 1 - lasted_us)
-
-
-def median_in_windows(run: Run, column: str, window_ms: float) -> tuple[Floats, Floats]:
-    """Median of a column of ``run.packages`` over the packages that start in each window.
-
-    Parameters
-    ----------
-    run : Run
-        A finished run.
-    column : str
-        Name of the column, for example ``"margin_us"``.
-    window_ms : float
-        Length of a window in ms.
-
-    Returns
-    -------
-    time_s : ndarray, shape (m,)
-        Begin of each window in which a package started, s from the first event.
-    median : ndarray, shape (m,)
-        In the unit of the column.
-
-    Raises
-    ------
-    ValueError
-        `window_ms` is not positive, or there is no such column.
-    """
-    check_run(run)
-    _checks.number("window_ms", window_ms, sys.float_info.min, sys.float_info.max, _POSITIVE)
-    _checks.choice("column", column, run.packages.dtype.names or ())
-    window_s = float(window_ms) / 1e3
-    windows, begins = np.unique(np.floor(time_s(run) / window_s), return_index=True)
-    parts = np.split(run.packages[column], begins[1:]) if windows.size else []
-    return windows * window_s, np.array([np.median(part) for part in parts], np.float64)
 
 
 def fit_cost(run: Run) -> Cost:
@@ -448,6 +226,40 @@ def _explains(run: Run, cost: Cost, rates_hz: Floats) -> bool:
     return ledger.discarded + ledger.stale + late <= 2 * unavoidable
 
 
+def _throughput_to_keep(rates_hz: Floats, share: float) -> float:
+    """Cap c for which sum(min(rate, c)) is the given share of sum(rate)."""
+    if rates_hz.size == 0:
+        return 0.0
+    ascending = np.sort(rates_hz)
+    # With the cap at ascending[i], the i smaller ones pass whole and the others are cut to it.
+    below = np.append(0.0, np.cumsum(ascending)[:-1])
+    others = np.arange(ascending.size, 0, -1)
+    passed = below + others * ascending
+    wanted = share * float(ascending.sum())
+    i = min(int(np.searchsorted(passed, wanted)), ascending.size - 1)
+    return float((wanted - below[i]) / others[i])
+
+
+# ---- over time ---------------------------------------------------------------------------------
+
+
+def time_s(run: Run) -> Floats:
+    """Start of each package in s from the first event, shape (packages,)."""
+    check_run(run)
+    rows = run.packages
+    if rows.size == 0:
+        return np.empty(0)
+    return np.asarray((rows["start_us"] - _begin_us(run)) / 1e6, np.float64)
+
+
+def _begin_us(run: Run) -> float:
+    """Return the stamp of the first event, which may have been lost before the first package."""
+    rows = run.packages
+    is_lost = rows["stale"][0] + rows["overflow"][0] > 0
+    lasted_us = float(run.source["duration_s"]) * 1e6 * bool(is_lost)
+    return min(float(rows["t_first"][0]), float(rows["t_last"][-1]) + 1 - lasted_us)
+
+
 class Windows(NamedTuple):
     """Events of each window by where they went; the edges in s, one more than windows."""
 
@@ -513,15 +325,166 @@ def _spread(at_us: Floats, counts: NDArray[np.int64], edges_us: Floats) -> Float
     return np.asarray(np.diff(reached), np.float64)
 
 
-def _throughput_to_keep(rates_hz: Floats, share: float) -> float:
-    """Cap c for which sum(min(rate, c)) is the given share of sum(rate)."""
-    if rates_hz.size == 0:
-        return 0.0
-    ascending = np.sort(rates_hz)
-    # With the cap at ascending[i], the i smaller ones pass whole and the others are cut to it.
-    below = np.append(0.0, np.cumsum(ascending)[:-1])
-    others = np.arange(ascending.size, 0, -1)
-    passed = below + others * ascending
-    wanted = share * float(ascending.sum())
-    i = min(int(np.searchsorted(passed, wanted)), ascending.size - 1)
-    return float((wanted - below[i]) / others[i])
+# ---- in words ----------------------------------------------------------------------------------
+
+
+def verdict(run: Run) -> str:
+    """Say what limited a run, what that cost, and what would have kept 95 % of the events.
+
+    What follows from the measured processing times is marked as estimated.
+    """
+    if run.ledger.received == 0:
+        return "No event was received."
+    if run.without_log:
+        return (
+            "Bottleneck: not known, since a summary holds no packages; run.save('run.npz') keeps "
+            f"them. {_losses(run)}"
+        )
+    found = diagnose(run)
+    if run.packages.size == 0 and found.limit != "data":
+        return f"No event reached the algorithm. {_losses(run)}"
+    bottleneck = _BOTTLENECKS[found.limit].format(scheme=run.scheme.name)
+    in_time = _units.share(run.in_time).replace("100.0 %", "100 %")
+    return (
+        f"Bottleneck: {bottleneck}. {in_time} processed in time. "
+        f"{_explanation(run, found)} {_losses(run)}"
+    )
+
+
+_BOTTLENECKS = {
+    "data": "bad events in the data",
+    "camera": "the camera",
+    "scheme": "the scheme ({scheme})",
+    "machine": "this machine",
+    "bound": "the latency bound",
+    "algorithm": "the algorithm",
+    "first call": "the first call",
+    "pauses": "pauses of the algorithm",
+    "fixed cost": "the fixed cost of a package",
+    "unknown": "not known",
+}
+
+
+def _explanation(run: Run, found: Diagnosis) -> str:
+    if found.limit == "data":
+        return (
+            f"{_units.count(run.ledger.rejected)} of {_units.count(run.ledger.received)} events "
+            f"were rejected ({_units.reasons(run.rejected)}). asap.check shows where."
+        )
+    cost = f"Estimated cost: {_run_cost(found.cost)}{_slow_packages(run, found.pauses)}."
+    return f"{cost} {_run_remedy(run, found)}".rstrip()
+
+
+def _run_cost(cost: Cost) -> str:
+    noise = f"{100 * cost.noise:.0f}"
+    spread = f", +- {noise} %" if noise != "0" else ""
+    per_event = _units.duration((cost.beta_ns or cost.beta_error_ns) / 1e3)
+    if cost.one_size is None:
+        least = "at most " * (cost.beta_ns == 0 < cost.beta_error_ns)
+        return (
+            f"{_units.duration(cost.alpha_us)} per package + {least}{per_event} per event{spread}"
+        )
+    package = _units.duration(cost.alpha_us + cost.beta_ns / 1e3 * cost.one_size)
+    events = "1 event" if cost.one_size == 1 else f"{_units.count(cost.one_size)} events"
+    return f"{package} per package of {events}{spread}"
+
+
+def _slow_packages(run: Run, pauses: Pauses) -> str:
+    if pauses.slow < 0.01 * run.packages.size and pauses.share < 0.01:
+        return ""
+    which = f"{pauses.first} packages" if pauses.first > 1 else "package"
+    first = f", the first {which} {_units.duration(pauses.first_us)}" if pauses.first else ""
+    packages = "1 package" if pauses.slow == 1 else f"{_units.count(pauses.slow)} packages"
+    return (
+        f"; {packages} took more than {pauses.times:.2g} times the estimate, "
+        f"{_units.share(pauses.share)} of the time{first}"
+    )
+
+
+def _run_remedy(run: Run, found: Diagnosis) -> str:
+    bound = _units.duration(run.latency_bound_us)
+    if found.limit == "machine":
+        late = (
+            f"The replay itself was late, by {_units.duration(run.lateness.max)} at most and by "
+            f"more than half the bound for {_units.share(found.late_share)} of the time. "
+            if run.lateness and found.late_share
+            else ""
+        )
+        held = f"waited for a processor for {_units.duration(1e6 * (run.held_s or 0))} in all"
+        held = f"The algorithm's thread {held}. " * found.pauses.held
+        return f"{late}{held}Repeat it on a quiet machine, or in virtual time."
+    if found.limit == "fixed cost":
+        return _impossible(run, found.cost)
+    if found.limit == "first call":
+        return "Call the algorithm once before the run."
+    if found.limit == "pauses":
+        others = ", or other programs took the processor" * (run.held_s is None)
+        return f"A garbage collector, memory, files or locks make an algorithm pause{others}."
+    if found.limit == "unknown":
+        return (
+            "These packages are too few, or too alike in size, to tell what of it is per event. "
+            "Those of another scheme may tell: asap.Greedy() takes all that waits. If the first "
+            "call compiles or loads something, call the algorithm once before the run."
+        )
+    if found.cost.one_size is not None:
+        return ""
+    faster = f"make the algorithm {math.ceil(10 * found.speedup) / 10} times as fast"
+    if getattr(run.scheme, "parameters", {}).get("rate_bound", found.needed_hz) < found.needed_hz:
+        faster += " and raise rate_bound"
+    if found.pauses.excess_share > 0.05:
+        faster += ", and call it once before the run" if found.pauses.first else ", without pauses"
+    more, remedy = " asap.compare shows which scheme processes more.", ""
+    if found.limit == "bound" and found.bound_us is not None:
+        remedy = f"use a bound of {_units.duration(found.bound_us)} or {faster}."
+    if found.limit == "algorithm":
+        remedy = f"{faster}: it has to process {_units.rate(found.needed_hz)}."
+    if remedy:
+        up_to = f"bound of up to {_units.duration(found.longest_us)}"
+        ruled_out = f"A {'longer bound' if math.isinf(found.longest_us) else up_to} does not help. "
+        ruled_out *= found.bound_us is None and found.longest_us > run.latency_bound_us
+        late = more * (run.kept - run.in_time > 0.05)
+        return f"{ruled_out}To process 95 % in time, {remedy}{late}"
+    is_told = found.cost.beta_ns > 0 and found.cost.one_size is None
+    passes_hz = (found.cost if is_told else found.cost.dearest).throughput_hz(run.latency_bound_us)
+    if passes_hz == float("inf"):
+        passes = f"The algorithm keeps up with any event rate within {bound}."
+    else:
+        passes = (
+            f"The algorithm can process {'' if is_told else 'at least '}{_units.rate(passes_hz)} "
+            f"within {bound}; {_units.rate(found.offered_hz)} arrived on average."
+        )
+    return passes + more * (found.limit == "scheme")
+
+
+def _impossible(run: Run, cost: Cost) -> str:
+    bound_us = run.latency_bound_us
+    p99, most = (f"{us / bound_us:.3g}" for us in (run.latency.quantile(0.99), run.latency.max))
+    least_us = cost.least_bound_us
+    if least_us > MIN_BOUND * cost.alpha_us:
+        cheaper = f"an algorithm that processes a single event in {_units.duration(bound_us / 2)}"
+    else:
+        cheaper = f"a fixed cost of {_units.duration(bound_us / MIN_BOUND)}"
+    return (
+        f"No scheme can keep a bound of {_units.duration(bound_us)} at this cost: latency was "
+        f"{p99} (p99) and {most} (max) times as long. "
+        f"Use a bound of at least {_units.duration(least_us)}, or {cheaper} or less."
+    )
+
+
+def _losses(run: Run) -> str:
+    ledger = run.ledger
+    causes = ("rejected", "discarded", "stale", "overflow", "pending")  # a filter is a choice
+    shares = {cause: ledger[cause] / ledger["received"] for cause in causes}
+    shares["delivered late"] = run.kept - run.in_time
+    lost = [f"{_units.share(share)} {cause}" for cause, share in shares.items() if share > 0]
+    words = f"Lost: {', '.join(lost)}." if lost else "No event was lost."
+    if ledger["filtered"] > 0:
+        words += f" The filter took out {_units.share(ledger['filtered'] / ledger['received'])}."
+    gap_us = run.gap_us or 0
+    if ledger["delivered"] == 0 or gap_us <= LONG_GAP * run.latency_bound_us:
+        return words
+    return (
+        f"{words} The longest gap is {_units.duration(gap_us)} "
+        f"({gap_us / run.latency_bound_us:.2g} L): events came, and none of them was processed. "
+        "asap.compare shows the gaps of other schemes."
+    )

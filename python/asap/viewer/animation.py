@@ -19,8 +19,8 @@ import numpy as np
 
 from asap import _checks, _units
 from asap.io.writers import replacing
-from asap.results.pictures import BRIGHT, COLOURS, FRAME_US, frames, outlines_of, painted
 from asap.results.run import Run
+from asap.viewer.pictures import BRIGHT, COLOURS, FRAME_US, frames, outlines_of, painted
 
 try:
     from PIL import Image, ImageDraw, ImageFont

@@ -1,7 +1,10 @@
-"""What `check` found about a recording."""
+"""What `check` found about a recording, and how it is shown as text."""
 
 from __future__ import annotations
 
+import os
+import re
+import textwrap
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -9,10 +12,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from asap import _core
+from asap import _core, _units
+from asap.results import html
 from asap.results.result import SCHEMA_VERSION, Result
 
 OK, NOTE, WRONG = "ok", "note", "wrong"
+_HEAD = ("check", "found", "verdict", "")
+_WIDE = 100
 
 # Times between events: 0 us, 1 us, then an octave each. No recording is longer than the last one.
 BINS_FROM_US: NDArray[np.int64] = np.append(0, 1 << np.arange(54, dtype=np.int64))
@@ -161,14 +167,29 @@ class Inspection(Result):
         }
 
     def _repr_html_(self) -> str:
-        from asap.results import inspection_text
-
-        return inspection_text.inspection_html(self)
+        remedies = _remedies(self)
+        return (
+            html.heading(_title(self))
+            + html.table((), _facts(self).items())
+            + html.table(_HEAD, _rows(self))
+            + html.verdict(_verdict(self))
+            + (html.table((), remedies.items()) if remedies else "")
+        )
 
     def __str__(self) -> str:
-        from asap.results import inspection_text
-
-        return inspection_text.format_inspection(self)
+        """Write a text table of at most 100 columns that ends with the remedies."""
+        rows = [_HEAD, *_rows(self)]
+        name, found, verdict = (max(len(row[column]) for row in rows) for column in range(3))
+        indent = name + found + verdict + 6
+        head, *lines = (
+            _hang(f"{row[0]:<{name}}  {row[1]:>{found}}  {row[2]:<{verdict}}  {row[3]}", indent)
+            for row in rows
+        )
+        rule = "-" * max(len(line) for text in lines for line in text.split("\n"))
+        facts = [_hang(f"  {label:<10}{value}", 12) for label, value in _facts(self).items()]
+        remedies = [_hang(f"  {label}: {words}", 4) for label, words in _remedies(self).items()]
+        above, below = [_title(self), *facts, ""], ["", _hang(_verdict(self), 0), *remedies]
+        return "\n".join([*above, head, rule, *lines, *below])
 
     def __repr__(self) -> str:
         name = self.path or self.format
@@ -178,3 +199,109 @@ class Inspection(Result):
 def _pixels(pixels: NDArray[np.void]) -> list[dict[str, int]]:
     names = pixels.dtype.names or ()
     return [dict(zip(names, pixel, strict=True)) for pixel in pixels.tolist()]
+
+
+# ---- as text ------------------------------------------------------------------------------------
+
+
+def _title(inspection: Inspection) -> str:
+    """Name an inspection by its recording."""
+    return os.path.basename(inspection.path or "") or inspection.format
+
+
+def _facts(inspection: Inspection) -> dict[str, str]:
+    """Say what the recording holds, as ``asap info`` does."""
+    rate = inspection.rate_mean_hz
+    peaks = {
+        "100 ms": inspection.rate_peak_100ms_hz,
+        "10 ms": inspection.rate_peak_10ms_hz,
+        "1 ms": inspection.rate_peak_1ms_hz,
+    }
+    size = (
+        f"{inspection.width} x {inspection.height} px"
+        if inspection.width and inspection.height
+        else "unknown"
+    )
+    return {
+        "format": inspection.format,
+        "sensor": size,
+        "events": f"{_units.count(inspection.events)} good ones of "
+        f"{_units.count(inspection.received)}, {_units.share(inspection.on_share)} ON",
+        "duration": _units.duration(inspection.duration_s * 1e6),
+        "rate": f"mean {_units.rate(rate)}, peak "
+        + ", ".join(f"{_units.rate(value)} in {window}" for window, value in peaks.items()),
+        "intervals": _intervals(inspection),
+    }
+
+
+def _intervals(inspection: Inspection) -> str:
+    counts = inspection.interval_counts
+    total = int(counts.sum())
+    if total == 0:
+        return "none"
+    below = np.cumsum(counts) / total
+    half, most = (_units.duration(1 << int(np.searchsorted(below, q))) for q in (0.5, 0.99))
+    return (
+        f"{_units.share(counts[0] / total)} on the timestamp before, half below {half}, 99 % below "
+        f"{most}, longest {_units.duration(inspection.longest_gap_us)}"
+    )
+
+
+def _rows(inspection: Inspection) -> list[tuple[str, ...]]:
+    """Write every check: one text for each of `_HEAD`."""
+    return [
+        (_name(one), _units.count(one.count), one.verdict, _detail(one))
+        for one in inspection.findings.values()
+    ]
+
+
+def _name(finding: Finding) -> str:
+    """Name a check for a reader."""
+    return finding.name.replace("_", " ")
+
+
+def _detail(finding: Finding) -> str:
+    """Say what was measured, and where the first one is."""
+    first = []
+    if finding.event is not None:
+        first.append(f"event {_units.count(finding.event)} at t = {finding.t_us} us")
+    if finding.byte is not None:
+        first.append(f"byte {_units.count(finding.byte)}")
+    where = [f"first: {' or '.join(first)}"] if first else []
+    return "; ".join([*filter(None, [finding.detail]), *where])
+
+
+def _verdict(inspection: Inspection) -> str:
+    """Say in one or two sentences whether the recording can be used as it is."""
+    by_verdict: dict[str, list[str]] = {"wrong": [], "note": []}
+    for finding in inspection.findings.values():
+        if finding.verdict != "ok":
+            by_verdict[finding.verdict].append(_name(finding))
+    wrong, notes = by_verdict["wrong"], by_verdict["note"]
+    if not wrong and not notes:
+        return "Verdict: ok. Nothing is wrong with this recording."
+    also = f" To note: {', '.join(notes)}." if notes else ""
+    if not wrong:
+        return f"Verdict: ok. Nothing is wrong with this recording.{also}"
+    return f"Verdict: wrong. Problems: {', '.join(wrong)}.{also}"
+
+
+def _remedies(inspection: Inspection) -> dict[str, str]:
+    """Say for everything that is wrong or worth knowing what helps; what is wrong comes first."""
+    found = [finding for finding in inspection.findings.values() if finding.verdict != "ok"]
+    found.sort(key=lambda finding: finding.verdict != "wrong")
+    return {_name(finding): finding.remedy for finding in found}
+
+
+def _hang(text: str, indent: int) -> str:
+    # A number stays on the line of its unit.
+    tied = re.sub(r"(?<=[\d=<>]) (?=[^\s\d])", "\xa0", text[indent:])
+    wrapped = textwrap.fill(
+        tied,
+        _WIDE,
+        initial_indent=text[:indent],
+        subsequent_indent=" " * indent,
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
+    return (wrapped or text).replace("\xa0", " ").rstrip()
