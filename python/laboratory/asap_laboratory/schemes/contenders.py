@@ -68,6 +68,7 @@ _OURS = [
     Contender("whole Deadline", _deadline(overhead=0.0), execution="whole"),
     Contender("Deadline", _deadline(overhead=0.0)),
     Contender("Deadline oh.25", _deadline(overhead=0.25)),
+    Contender("Deadline oh.5", _deadline(overhead=0.5)),
 ]
 
 
