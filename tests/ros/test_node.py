@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -157,47 +156,6 @@ def test_a_consumer_that_stays_away_gets_little_and_returns_to_fresh_events(peer
         peer.diagnosed(OK, "ok")
 
 
-def test_triggers_stand_in_the_packages(peer: Any) -> None:
-    words = np.array([8 << 12 | 1, 6 << 12 | 5, 10 << 12 | 3 << 8 | 1, 7, 2 << 12 | 9], "<u2")
-    with AsapNode(encoding="evt3", latency_ms=200):
-        peer.wait_for_node()
-        peer.send(words.tobytes(), encoding="evt3")
-        stats = peer.settled()
-    assert stats["triggers"] == {"received": 1, "passed": 1}
-    assert list(np.frombuffer(peer.packets[0].events, "<u2")[:3]) == list(words[:3])
-
-
-def test_diagnostics_say_that_all_is_rejected(peer: Any) -> None:
-    with AsapNode(encoding="mono", latency_ms=200):
-        peer.wait_for_node()
-        for _ in range(100):
-            peer.send(mono(np.arange(10), x=640))
-            time.sleep(0.03)
-        peer.diagnosed(ERROR, "100 % of the events rejected: ")
-
-
-def test_a_consumer_without_feedback_is_reported(make_peer: Callable[..., Any]) -> None:
-    peer = make_peer()
-    for feedback, level in (("topic", WARN), ("none", OK)):
-        with AsapNode(encoding="mono", latency_ms=200, feedback=feedback):
-            peer.wait_for_node()
-            for i in range(60):
-                peer.send(mono(np.arange(10) + i * 50_000))
-                time.sleep(0.03)
-            peer.diagnosed(level, "1 consumer gives no feedback: what it loses is not counted")
-            assert peer.settled()["feedback"]["timeouts"] == 0
-
-
-def test_what_the_driver_lost_is_counted(peer: Any) -> None:
-    with AsapNode(latency_ms=200):
-        peer.wait_for_node()
-        peer.send(mono(np.array([1])))
-        peer.seq = 11
-        peer.send(mono(np.array([2])))
-        wait(lambda: peer.next_stats()["upstream_lost"]["packets"] == 10, "ten are missing")
-        assert peer.stats[-1]["upstream_lost"]["marks"] == 1
-
-
 @pytest.mark.parametrize(
     ("parameters", "reason"),
     [
@@ -275,52 +233,3 @@ def test_refusals_are_logged_under_simulated_time(peer: Any) -> None:
             time.sleep(1.2)
         _, said = node.interrupt()
     assert said.count("message refused: encoding (from /") == 2
-
-
-def test_a_stray_message_costs_the_camera_one_second(peer: Any) -> None:
-    late = 0
-    with AsapNode(encoding="mono", latency_ms=200) as node:
-        peer.wait_for_node()
-        peer.send(mono(np.arange(10)), width=320, height=240)
-        wait(lambda: len(peer.events) == 10, "the stray events")
-        start = time.monotonic()
-        for i in range(200):
-            late += time.monotonic() - start > 1.0
-            peer.send(mono(np.arange(10) + i * 10_000))
-            time.sleep(0.01)
-        stats = peer.settled()
-        _, said = node.interrupt()
-    assert 10 * late <= stats["ledger"]["received"] <= 10 * (late + 5)
-    assert "message refused: geometry (from /" in said
-
-
-def test_a_bag_that_loops_loses_no_event_and_keeps_its_stamps(peer: Any) -> None:
-    stamps = []
-    with AsapNode(encoding="mono", latency_ms=200, feedback="none"):
-        peer.wait_for_node()
-        for i in range(160):  # .8 s, twice; a message has its number in x
-            if i == 80:
-                peer.seq = 0
-            t_us = np.arange(10) * 100 + i % 80 * 10_000
-            stamps.append(peer.send(mono(t_us, i), time_base=70_000_000_000))
-            time.sleep(0.005)
-        wait(lambda: len(peer.events) == 1600, "all events")
-        stats = peer.settled()
-    assert (stats["ledger"]["rejected"], stats["clock_resets"]) == (0, 1)
-    for packet in peer.packets:
-        number = int(np.frombuffer(packet.events[:8], "<u8")[0]) >> 32 & 0xFFFF
-        assert 0 <= packet.stamp_ns - stamps[number] < 1_000_000
-
-
-def test_a_rate_bound_thins(peer: Any) -> None:
-    with AsapNode(encoding="mono", latency_ms=100, rate_bound=10_000.0, feedback="none"):
-        peer.wait_for_node()
-        for i in range(100):  # 100,000 events/s
-            peer.send(mono(np.arange(i * 10_000, (i + 1) * 10_000, 10)))
-            time.sleep(0.01)
-        peer.diagnosed(WARN, "Bottleneck: the rate bound. ")
-        stats = peer.settled()
-        assert stats["ledger"]["received"] == 100_000
-        assert stats["ledger"]["overflow"] == 0
-        elapsed_s = stats["packages"]["count"] / stats["packages"]["per_s"]
-        assert len(peer.events) == stats["ledger"]["delivered"] <= 10_000 * elapsed_s * 1.1

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import random
 import subprocess
 import sys
 import time
@@ -12,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from door import Packet, ledger_in, mono, wait
+from door import Packet, mono, wait
 from event_camera_msgs.msg import EventPacket
 from rcl_interfaces.srv import DescribeParameters
 from ros2_door import DRIVERS_QOS, AsapNode, CppPeer, Peer
@@ -109,30 +108,6 @@ def test_a_file_for_all_nodes(peer: Peer, tmp_path: Path) -> None:
         code, said = node.end()
     assert code == 2
     assert "latncy_ms = 40: the node has no such parameter; did you mean latency_ms?" in said
-
-
-def test_no_parameters_end_the_node(peer: Peer) -> None:
-    """What two calls make together is refused as in one."""
-    choose = random.Random(1)
-    edges = {
-        "latency_ms": (0.1, 500.0, 900.0, 10_000.0, 0.0, 1e9, float("nan"), "soon", True),
-        "feedback_timeout_ms": (1.0, 499.0, 60_000.0, 1e9, -1.0, "soon"),
-        "rate_bound": (0.0, 1e-300, 5e-324, 1e9, -1.0, float("inf"), [1.0]),
-        "seed": (1, 2),
-        "latncy_ms": (5.0,),
-    }
-    with AsapNode() as node:
-        peer.wait_for_node()
-        assert peer.set(latency_ms=900.0).successful
-        result = peer.set(feedback_timeout_ms=500.0)
-        assert result.reason == "feedback_timeout_ms = 500: must be at least latency_ms = 900"
-        for _ in range(int(os.environ.get("ASAP_RANDOM_SETS", "500"))):
-            names = choose.sample([*edges], choose.choice((1, 1, 2)))
-            peer.set(**{name: choose.choice(edges[name]) for name in names})
-            if choose.random() < 0.2:
-                peer.send(mono(np.array([peer.seq])))
-        peer.next_stats()
-        assert node.process.poll() is None
 
 
 def test_another_run_has_another_domain() -> None:
@@ -267,46 +242,6 @@ def test_a_consumer_that_is_killed_and_comes_back(make_peer: Callable[..., Peer]
             driver.send(mono(np.arange(200, 300)))
             assert second.result()["events"] == 100
         assert driver.settled()["ledger"]["delivered"] == 300
-
-
-def test_a_driver_with_another_sensor(make_peer: Callable[..., Peer]) -> None:
-    consumer, old = make_peer(), make_peer(consume=False, name="old")
-    with AsapNode(encoding="mono", latency_ms=200) as node:
-        consumer.wait_for_node()
-        old.wait_for_node(consumers=False)
-        old.send(mono(np.arange(100)))
-        wait(lambda: len(consumer.events) == 100, "the old driver's events")
-        new = make_peer(consume=False, name="new")
-        new.wait_for_node(consumers=False)
-        time.sleep(1.0)  # the old one is silent
-        for _ in range(2):
-            new.send(mono(np.arange(50), x=1279, y=719), width=1280, height=720)
-        wait(lambda: len(consumer.events) == 150, "the new driver's events")
-        old.send(mono(np.arange(100, 200)))
-        wait(lambda: new.next_stats()["messages"]["refused_publisher"] == 2, "a refusal")
-        stats = new.settled()
-        _, said = node.interrupt()
-    assert (stats["source"]["width"], stats["source"]["height"]) == (1280, 720)
-    assert said.count("run ended: received 100 = delivered 100") == 1
-    assert ledger_in(said) == {"received": 50, "delivered": 50}
-    assert [p.width for p in consumer.packets] == sorted(p.width for p in consumer.packets)
-
-
-def test_both_of_two_cameras_are_named(make_peer: Callable[..., Peer]) -> None:
-    camera, stray = make_peer(name="camera"), make_peer(consume=False, name="stray")
-    with AsapNode(encoding="mono", latency_ms=200) as node:
-        camera.wait_for_node()
-        stray.wait_for_node(consumers=False)
-        for i in range(150):
-            camera.send(mono(np.arange(10) + i * 10_000))
-            stray.send(mono(np.arange(10) + i * 10_000), width=320, height=240)
-            time.sleep(0.01)
-        camera.diagnosed(WARN, "two cameras: /camera is heard, /stray is refused")
-        stats = camera.settled()
-        _, said = node.interrupt()
-    assert stats["ledger"]["received"] == 1500
-    assert stats["messages"]["refused_publisher"] == 150
-    assert "message refused: publisher (from /stray" in said
 
 
 @pytest.mark.parametrize("latency_ms", [50, 200])
