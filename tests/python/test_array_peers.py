@@ -137,18 +137,13 @@ EXACT: dict[str, Make] = {
     # NumPy and Python
     "structured": lambda _: of_dtype(("t", "<u8"), ("x", "<u2"), ("y", "<u2"), ("on", "?")),
     "recarray": lambda _: EVENTS.view(np.recarray),
-    "records": lambda _: list(EVENTS),
     "strided": lambda _: np.repeat(EVENTS, 2)[::2],
     "dict": lambda _: columns(),
     "dict of lists": lambda _: {name: column.tolist() for name, column in columns().items()},
-    "polarities": lambda _: dict(zip(("ts", "xs", "ys", "polarities"), columns().values())),  # noqa: B905
     "four columns": lambda _: tx(*NAMES),
-    "four lists": lambda _: [column.tolist() for column in tx(*NAMES)],
     "list of arrays": lambda _: HALVES,
     "tuple of 4 arrays": lambda _: tuple(np.array_split(EVENTS, 4)),
-    "list of dicts": lambda _: [columns(half) for half in HALVES],
     "list of tuples of columns": lambda _: [tuple(columns(half).values()) for half in HALVES],
-    "named tuple": lambda _: Tuple(*tx("x", "y", "t", "p")),
     "list of named tuples": lambda _: [Tuple(*(h[n] for n in "xytp")) for h in HALVES],
     "own class": lambda _: Own(*tx(*NAMES)),
     "read-only": lambda _: EVENTS[:],
@@ -157,20 +152,10 @@ EXACT: dict[str, Make] = {
     "event_camera_py": lambda _: of_dtype(
         ("x", "<u2"), ("y", "<u2"), ("p", "i1"), ("t", "<i4"), names="xypt"
     ),
-    "dv-processing records": lambda _: of_dtype(
-        ("timestamp", "<i8"), ("x", "<i2"), ("y", "<i2"), ("polarity", "i1")
-    ),
     "ptyx, other names": lambda _: of_dtype(
         ("pol", "<i4"), ("time", "<u4"), ("y", "<u4"), ("x", "<i4"), names="ptyx"
     ),
-    "titles of faery": lambda _: of_dtype(
-        ("t", "<u8"), ("x", "<u2"), ("y", "<u2"), (("p", "on"), "?")
-    ),
-    "titles alone": lambda _: of_dtype(
-        (("t", "a"), "<i8"), (("x", "b"), "u2"), (("y", "c"), "u2"), (("p", "d"), "?")
-    ),
     "half floats": lambda _: of_dtype(("t", "<i8"), ("x", "<f2"), ("y", "<f2"), ("p", "<f2")),
-    "reversed": lambda _: EVENTS[::-1].copy()[::-1],
     "titles": lambda _: of_dtype(
         (("time", "t"), "<i8"), ("x", "<i2"), ("y", "<i2"), (("polarity", "p"), "i1")
     ),
@@ -184,11 +169,7 @@ EXACT: dict[str, Make] = {
     "t_offset of DSEC": lambda _: columns() | {"t": EVENTS["t"] - 7, "t_offset": 7},
     "tuple of four lists": lambda _: tuple(column.tolist() for column in tx(*NAMES)),
     "list with an empty one": lambda _: [EVENTS[:0], EVENTS],
-    "list of i8 and u8": lambda _: [HALVES[0], of_dtype(
-        ("t", "<u8"), ("x", "<u2"), ("y", "<u2"), ("p", "?")
-    )[N // 2 :]],
     "list of mixed kinds": lambda _: [HALVES[0], columns(HALVES[1])],
-    "generator of a class": lambda _: [Own(*(half[n] for n in NAMES)) for half in HALVES],
     "memory map": lambda path: mapped(path),
     "npz": lambda path: np.load(written(".npz", path)),
     "masked, nothing hidden": lambda _: np.ma.MaskedArray(EVENTS),
@@ -196,59 +177,38 @@ EXACT: dict[str, Make] = {
     "arrow table": lambda _: arrow(),
     "arrow batch": lambda _: arrow().to_batches()[0],
     "arrow reader": lambda _: arrow().to_reader(max_chunksize=999),
-    "arrow dataset": lambda _: lib("pyarrow.dataset").dataset(arrow()).to_table(),
     "arrow struct": lambda _: arrow().to_struct_array().chunk(0),
-    "arrow chunked struct": lambda _: arrow().to_struct_array(max_chunksize=999),
     "arrow batches": lambda _: arrow().to_batches(max_chunksize=999),
-    "arrow 4 batches": lambda _: arrow().to_batches(max_chunksize=N // 4),
-    "arrow columns": lambda _: list(arrow().columns),
     "arrow dictionary": lambda _: arrow().set_column(3, "p", arrow()["p"].dictionary_encode()),
     "arrow chunked": lambda _: lib("pyarrow").concat_tables(
         [arrow().slice(0, 9), arrow().slice(9)]
     ),
     "arrow duration": lambda _: arrow(t=EVENTS["t"].astype("m8[us]")),
     "arrow boolean": lambda _: arrow(p=EVENTS["p"] > 0),
-    "arrow to pandas": lambda _: arrow().to_pandas(),
     # polars
     "polars": lambda _: polars(),
     "polars struct": lambda _: polars().to_struct("events"),
     "polars list of 4": lambda _: list(polars().iter_slices(N // 4)),
-    "polars columns": lambda _: polars().get_columns(),
     "polars boolean": lambda _: polars(p=EVENTS["p"] > 0),
     "polars duration": lambda _: polars(t=EVENTS["t"].astype("m8[us]")),
-    "polars datetime": lambda _: polars(t=EVENTS["t"].astype("M8[us]")),
     "polars chunked": lambda _: lib("polars").concat([polars()[:9], polars()[9:]], rechunk=False),
-    "polars structured": lambda _: polars().to_numpy(structured=True),
-    "polars dict": lambda _: polars().to_dict(),
-    "polars dict of lists": lambda _: polars().to_dict(as_series=False),
     "evlib": lambda path: lib("evlib").load_events(written(".raw", path)).collect(),
     # pandas
     "pandas": lambda _: pandas(),
     "pandas nullable": lambda _: pandas().convert_dtypes(),
-    "pandas records": lambda _: pandas().to_records(index=False),
     "pandas of arrow": lambda _: pandas().convert_dtypes(dtype_backend="pyarrow"),
     "pandas list of 4": lambda _: [pandas().iloc[i : i + N // 4] for i in range(0, N, N // 4)],
     "pandas timedelta": lambda _: pandas(t=EVENTS["t"].astype("m8[us]")),
-    "pandas datetime": lambda _: pandas(t=EVENTS["t"].astype("M8[us]")),
     "pandas datetime with a zone": lambda _: pandas(
         t=lib("pandas").to_datetime(EVENTS["t"], unit="us", utc=True).tz_convert("Asia/Tokyo")
     ),
     "t as index": lambda _: pandas().set_index("t"),
     "t as index of two": lambda _: pandas().set_index(["t", "x"]),
     "pandas boolean": lambda _: pandas(p=EVENTS["p"] > 0),
-    "pandas dict": lambda _: pandas().to_dict("list"),
-    "pandas columns": lambda _: [pandas()[name] for name in NAMES],
-    "pandas list of 2": lambda _: [pandas()[:9], pandas()[9:]],
     # duckdb, dask, xarray, h5py
-    "duckdb polars": lambda _: duck().pl(),
-    "duckdb table": lambda _: duck().to_arrow_table(),
     "h5py group": lambda _: h5()["events"],
-    "h5py dataset": lambda _: h5()["array"][:],
     "duckdb relation": lambda _: duck(),
     "duckdb reader": lambda _: duck().arrow(),
-    "duckdb numpy": lambda _: duck().fetchnumpy(),
-    "duckdb frame": lambda _: duck().df(),
-    "dask frame": lambda _: dask().compute(),
     "dask arrays": lambda _: {
         name: lib("dask.array").from_array(column) for name, column in columns().items()
     },
@@ -265,27 +225,12 @@ EXACT: dict[str, Make] = {
         rows_down(packet) for packet in lib("event_stream").Decoder(written(".es", path))
     ],
     "evt3": lambda path: lib("evt3").decode_file(written(".raw", path)),
-    "evt3 dict": lambda path: lib("evt3").decode_file(written(".raw", path)).to_dict(),
     "expelliarmus": lambda path: lib("expelliarmus").Wizard(encoding="dat").read(
         written(".dat", path)
     ),
     "tonic": lambda _: of_dtype(
         ("x", "<i2"), ("y", "<i2"), ("t", "<i8"), ("p", "?"), names="xytp"
     ),
-    "tonic, ptyx": lambda _: of_dtype(*((name, "<i8") for name in "ptyx"), names="ptyx"),
-    "tonic slices": lambda _: np.array_split(
-        of_dtype(("x", "<i2"), ("y", "<i2"), ("t", "<i8"), ("p", "?"), names="xytp"), 7
-    ),
-    "loris": lambda _: of_dtype(("ts", "<u8"), ("x", "<u2"), ("y", "<u2"), ("p", "?")),
-    "metavision": lambda _: EVENTS,
-    "metavision, packed": lambda _: of_dtype(
-        ("x", "<u2"), ("y", "<u2"), ("p", "<i2"), ("t", "<i8"), names="xypt"
-    ),
-    "evutils": lambda _: asap.to_dtype(EVENTS, lib("evutils").Event_dtype),
-    "event_stream records": lambda _: asap.to_dtype(EVENTS, lib("event_stream").dvs_dtype),
-    "evt3 columns": lambda path: [
-        getattr(lib("evt3").decode_file(written(".raw", path)), name) for name in NAMES
-    ],
     "evt3 batches": lambda path: [*lib("evt3").decode_file_batches(written(".raw", path))],
     "expelliarmus chunks": lambda path: [
         *lib("expelliarmus").Wizard(
@@ -297,9 +242,7 @@ EXACT: dict[str, Make] = {
         SimpleNamespace(polarity_events=None), SimpleNamespace(polarity_events=EVENTS)
     ],
     "dv-processing": lambda _: dv_store(),
-    "dv-processing numpy": lambda _: dv_store().numpy(),
     "eventcv": lambda _: eventcv(),
-    "eventcv list": lambda _: [eventcv(half) for half in HALVES],
     "aedat": lambda path: [
         packet["events"] for packet in lib("aedat").Decoder(written(".aedat4", path))
     ],
@@ -348,9 +291,7 @@ REFUSED: dict[str, tuple[Make, dict[str, Any], str]] = {
     "a path": (lambda _: "events.raw", {}, r"asap\.load"),
     "rows without order": (lambda _: np.stack(tx(*NAMES), 1), {}, "give order"),
     "x first": (lambda _: tx("x", "y", "t", "p"), {}, "order='xytp'"),
-    "x y p t": (lambda _: tx("x", "y", "p", "t"), {}, "say what the columns are"),
     "order and names": (lambda _: Tuple(*tx("x", "y", "t", "p")), {"order": "txyp"}, "leave order"),
-    "order and arrow": (lambda _: arrow(), {"order": "txyp"}, "leave order out"),
     "floating s": (lambda _: columns() | {"t": seconds()}, {}, "time_unit='s'"),
     "float32 s": (
         lambda _: columns() | {"t": seconds("f4") + np.float32(1000)},
@@ -358,7 +299,6 @@ REFUSED: dict[str, tuple[Make, dict[str, Any], str]] = {
         "float32.* 61 us; give float64",
     ),
     "polarity 1, 2": (lambda _: columns() | {"p": EVENTS["p"] + 1}, {}, "p = 1: .*give p == 2"),
-    "polarity 0 to 3": (lambda _: columns() | {"p": np.arange(N) % 4}, {}, "p = 1: .*give p == 3"),
     "exposure": (
         lambda _: columns() | {"exposure": np.arange(N) % 2 > 0},
         {},
@@ -372,41 +312,17 @@ REFUSED: dict[str, tuple[Make, dict[str, Any], str]] = {
         {},
         r"source\['events'\]",
     ),
-    "numbers of arrow": (lambda _: arrow()["t"], {}, "source"),
     "order and pandas": (lambda _: pandas(), {"order": "txyp"}, "leave order out"),
     "order and rows of 3": (lambda _: np.zeros((9, 3)), {"order": "txyp"}, "names 4 columns"),
     "two fields for t": (lambda _: columns() | {"ts": EVENTS["t"]}, {}, r"two fields \(t, ts\)"),
-    "a fraction of a pixel": (
-        lambda _: columns() | {"x": EVENTS["x"] + 0.5},
-        {},
-        "x = .* no pixel",
-    ),
-    "a pixel below 0": (lambda _: columns() | {"y": EVENTS["y"] - 300.0}, {}, "y = .* no pixel"),
-    "no time": (lambda _: columns() | {"t": np.full(N, np.nan)}, {"time_unit": "s"}, "t = nan"),
-    "text": (lambda _: columns() | {"p": np.full(N, "ON")}, {}, "holds no numbers"),
-    "another unit": (lambda _: columns(), {"time_unit": "h"}, "time_unit = 'h'"),
     "a container of bimvee": (
         lambda _: {"data": {"left": {"dvs": columns()}}, "info": {}},
         {},
         "no field for t",
     ),
-    "a list of paths": (lambda _: ["a.raw", "b.raw"], {}, "source is a list of 2"),
-    "ES layout of loris": (
-        lambda _: of_dtype(("t", "<u8"), ("x", "<u2"), ("y", "<u2"), ("is_increase", "?")),
-        {},
-        "no field for p",
-    ),
-    "a frame of one struct": (
-        lambda _: arrow().to_struct_array(),
-        {"order": "txyp"},
-        "leave order out",
-    ),
     "an image": (lambda _: np.zeros((3, 10, 10)), {}, "shape"),
-    "a column": (lambda _: EVENTS["t"], {}, "shape"),
     "some without polarity": (lambda _: [columns(), columns() | {"p": None}], {}, "no polarity"),
     "a function": (lambda _: eventcv, {}, "call it"),
-    "None in p": (lambda _: polars(p=[None, *COLUMNS["p"][1:].tolist()]), {}, "p = "),
-    "different lengths": (lambda _: columns() | {"x": EVENTS["x"][1:]}, {}, "equally long"),
     "mask": (lambda _: np.ma.MaskedArray(EVENTS, mask=True), {}, "masked"),
 }
 
