@@ -5,12 +5,9 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <limits>
 #include <span>
 #include <vector>
 
@@ -41,39 +38,6 @@ class Bytes {
 
   bool flag() { return (take<std::uint8_t>() & 1) != 0; }
   std::size_t below(std::size_t limit) { return take<std::uint16_t>() % limit; }
-
-  // A parameter whose good values lie between low and high.
-  double real(double low, double high) {
-    const auto kind = take<std::uint8_t>();
-    if (kind < 8) return take<double>();
-    if (kind < 48) {
-      using Limits = std::numeric_limits<double>;
-      const std::array odd{low,
-                           high,
-                           std::nextafter(low, -1e308),
-                           std::nextafter(high, 1e308),
-                           0.0,
-                           -0.0,
-                           1.0,
-                           -1.0,
-                           Limits::denorm_min(),
-                           Limits::max(),
-                           Limits::infinity(),
-                           -Limits::infinity(),
-                           Limits::quiet_NaN()};
-      return odd[kind % odd.size()];
-    }
-    const double share = take<std::uint16_t>() / 65535.0;
-    if (kind % 2 == 0) return low + share * (high - low);
-    const double min = std::max(low, 1e-9 * high);
-    return std::clamp(min * std::pow(high / min, share), low, high);
-  }
-
-  // A time whose good values lie between low and high.
-  std::chrono::nanoseconds time(std::chrono::nanoseconds low, std::chrono::nanoseconds high) {
-    const double ns = real(static_cast<double>(low.count()), static_cast<double>(high.count()));
-    return std::chrono::nanoseconds(std::abs(ns) < 9e18 ? std::llround(ns) : -1);
-  }
 
   std::size_t count(std::size_t high) {
     const auto kind = take<std::uint8_t>();

@@ -1,7 +1,8 @@
 // Rounds of a quarter of a second, each with another ring, rule, scheme and algorithm, pushes and
 // packages of 1 to 10^6 events with bad ones among them, and up to three runs of the pipeline: what
 // was sent and what came out, counted here, against the ledger. Snapshots meanwhile must balance
-// and never go back.
+// and never go back. Every stop ends soon and leaves no thread behind.
+#include <algorithm>
 #include <atomic>
 #include <memory>
 #include <thread>
@@ -36,6 +37,8 @@ struct Totals {
   std::uint64_t snapshots = 0;
   std::uint64_t wrong = 0;
   std::uint64_t allocations = 0;
+  std::uint64_t threads_left = 0;
+  double longest_stop_ms = 0;
 };
 
 std::unique_ptr<Scheme> any_scheme(std::uint64_t choice) {
@@ -145,9 +148,11 @@ void one_run(Pipeline& pipeline, const RunConfig& config, Camera& camera, std::u
     ++totals.snapshots;
     last = now;
   }
+  const auto stop = Steady::now();
   pipeline.stop(drain);
   producer.join();
   consumer.join();
+  totals.longest_stop_ms = std::max(totals.longest_stop_ms, 1e3 * seconds_since(stop));
 
   const PipelineStats stats = pipeline.stats();
   const Ledger& ledger = stats.ledger;
@@ -174,6 +179,15 @@ void one_run(Pipeline& pipeline, const RunConfig& config, Camera& camera, std::u
   totals.allocations += sender.allocated + receiver.last_allocations - receiver.first_allocations;
 }
 
+// A thread that has been joined is gone from the table soon after, not at once.
+bool threads_become(std::size_t count) {
+  for (const auto start = Steady::now(); seconds_since(start) < 20;) {
+    if (threads() == count) return true;
+    std::this_thread::yield();
+  }
+  return false;
+}
+
 void one_round(Camera& camera, std::uint64_t seed, Totals& totals) {
   const CounterRandom random(seed);
   const std::unique_ptr<Scheme> scheme = any_scheme(random(0));
@@ -192,14 +206,19 @@ void one_round(Camera& camera, std::uint64_t seed, Totals& totals) {
 void ledger(double seconds, std::uint64_t seed) {
   Camera camera(kLargestPacket, seed);
   Totals totals;
-  for (const auto start = Steady::now(); seconds_since(start) < seconds;)
+  const std::size_t threads_before = threads();
+  for (const auto start = Steady::now(); seconds_since(start) < seconds;) {
     one_round(camera, seed++, totals);
+    totals.threads_left += !threads_become(threads_before);
+  }
   figure("ledger_runs", totals.runs);
   figure("ledger_events", totals.events);
   figure("ledger_delivered", totals.delivered);
   figure("ledger_snapshots", totals.snapshots);
   figure("ledger_wrong", totals.wrong);
   figure("hot_path_allocations", totals.allocations);
+  figure("stop_threads_left", totals.threads_left);
+  figure("stop_longest_ms", totals.longest_stop_ms);
 }
 
 }  // namespace asap::soak

@@ -9,8 +9,11 @@
 int main(int argc, char** argv) {
   using namespace asap::soak;
   const std::map<std::string, std::function<void(double, std::uint64_t)>> parts{
-      {"ledger", ledger},         {"steady", steady}, {"overload", overload},
-      {"saturation", saturation}, {"stops", stops},   {"idle", idle}};
+      {"ledger", ledger},
+      {"steady", steady},
+      {"overload", overload},
+      {"saturation", saturation},
+      {"idle", idle}};
   const auto part = parts.find(argc > 1 ? argv[1] : "");
   if (part == parts.end() || argc < 3) {
     std::cerr << "usage: soak PART SECONDS [SEED], PART one of:";

@@ -8,11 +8,10 @@
 
 namespace asap::soak {
 
-void ledger(double seconds, std::uint64_t seed);      // R1, R7
+void ledger(double seconds, std::uint64_t seed);      // R1, R7, R13, R14
 void steady(double seconds, std::uint64_t seed);      // R3, R6
 void overload(double seconds, std::uint64_t seed);    // R4, R6
 void saturation(double seconds, std::uint64_t seed);  // R5
-void stops(double seconds, std::uint64_t seed);       // R13, R14
 void idle(double seconds, std::uint64_t seed);        // R19
 
 template <class Value>

@@ -14,11 +14,10 @@ from pathlib import Path
 
 # The share of the time that a part gets.
 SHARES = {
-    "ledger": 0.2,
+    "ledger": 0.35,
     "steady": 0.25,
     "overload": 0.2,
     "saturation": 0.1,
-    "stops": 0.15,
     "idle": 0.1,
 }
 
@@ -32,7 +31,6 @@ EXACT = {
     "thin_wrong": 0,
     "saturation_newest_wrong": 0,
     "saturation_thin_wrong": 0,
-    "stop_wrong": 0,
     "stop_threads_left": 0,
     "wake_ups_lost": 0,
 }
