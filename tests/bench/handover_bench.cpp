@@ -1,8 +1,8 @@
 // Bar: producer and consumer together take at most as much processor time per event as a deque of
-// events behind a mutex, and at 1 and 5 Mev/s at most 1.15 times that of a deque of vectors. Beside
-// them, where they are installed: moodycamel's queue and boost's, in bulk, with a semaphore. A
-// camera pushes a block every 250 us, the algorithm is empty. The ways take turns; medians of the
-// rounds. Also: how often the two threads slept per block, and how long a block took to arrive.
+// events behind a mutex. Beside it, where they are installed: moodycamel's queue and boost's, in
+// bulk, with a semaphore. A camera pushes a block every 250 us, the algorithm is empty. The ways
+// take turns; medians of the rounds. Also: how often the two threads slept per block, and how long
+// a block took to arrive.
 //
 //   handover_bench [rounds]
 #include <time.h>
@@ -85,50 +85,6 @@ class DequeOfEvents {
   std::mutex mutex_;
   std::condition_variable filled_;
   std::deque<Event> waiting_;
-  bool ended_ = false;
-  std::thread consumer_;
-};
-
-// The same with a vector for each push.
-class DequeOfVectors {
- public:
-  explicit DequeOfVectors(Algorithm algorithm)
-      : consumer_([this, algorithm] { work(algorithm); }) {}
-  ~DequeOfVectors() {
-    {
-      const std::lock_guard lock(mutex_);
-      ended_ = true;
-    }
-    filled_.notify_one();
-    consumer_.join();
-  }
-  void push(EventSpan events) {
-    std::vector<Event> block(events.begin(), events.end());
-    {
-      const std::lock_guard lock(mutex_);
-      waiting_.push_back(std::move(block));
-    }
-    filled_.notify_one();
-  }
-
- private:
-  void work(const Algorithm& algorithm) {
-    for (;;) {
-      std::vector<Event> package;
-      {
-        std::unique_lock lock(mutex_);
-        filled_.wait(lock, [&] { return ended_ || !waiting_.empty(); });
-        if (waiting_.empty()) return;
-        package = std::move(waiting_.front());
-        waiting_.pop_front();
-      }
-      algorithm(package);
-    }
-  }
-
-  std::mutex mutex_;
-  std::condition_variable filled_;
-  std::deque<std::vector<Event>> waiting_;
   bool ended_ = false;
   std::thread consumer_;
 };
@@ -285,7 +241,7 @@ Round measure(std::size_t events_per_block) {
 
 int main(int argc, char** argv) {
   const int rounds = argc > 1 ? std::max(1, std::atoi(argv[1])) : 15;  // an option: one
-  constexpr std::array kNames{"asap",        "deque of events", "deque of vectors",
+  constexpr std::array kNames{"asap", "deque of events",
 #ifdef ASAP_HAS_MOODYCAMEL
                               "moodycamel",
 #endif
@@ -293,9 +249,7 @@ int main(int argc, char** argv) {
                               "boost",
 #endif
                               "camera alone"};
-  constexpr std::array kWays{&measure<Asap>,
-                             &measure<DequeOfEvents>,
-                             &measure<DequeOfVectors>,
+  constexpr std::array kWays{&measure<Asap>, &measure<DequeOfEvents>,
 #ifdef ASAP_HAS_MOODYCAMEL
                              &measure<Bulk<Moodycamel>>,
 #endif
