@@ -93,15 +93,6 @@ def test_where_most_events_are_late_the_tolerance_that_sorts_them_is_named() -> 
     assert "reorder_tolerance_us=" in found.remedy
 
 
-def test_clock_reset() -> None:
-    bad = corrupt.clock_reset(EVENTS, 66_000, to_us=17)
-    found = check(bad)
-    assert outcome(found) == {"clock_resets": (1, "wrong", 66_000, 17)}
-    assert found.duration_s == (EVENTS["t"][-1] - EVENTS["t"][0]) / 1e6 - (
-        (EVENTS["t"][66_000] - EVENTS["t"][65_999] - 1) / 1e6
-    )
-
-
 @pytest.mark.parametrize(("by_us", "words"), [(1 << 24, "24 bits"), (1 << 31, "31 bits")])
 def test_a_counter_that_wraps_is_named(by_us: int, words: str) -> None:
     bad = EVENTS[:1000].copy()

@@ -36,67 +36,6 @@ def test_log_columns_by_hand():
     assert run.kept == run.in_time == 1
 
 
-@pytest.mark.parametrize(
-    "scheme", [asap.Asap2020(), asap.FixedSize(), asap.FixedTime(), asap.Greedy()], ids=repr
-)
-def test_is_repeatable_and_independent_of_the_cut(scheme):
-    events = streams.poisson(3e6, 0.2)
-    whole = asap.simulate(events, cost=COST, scheme=scheme, seed=5)
-    rng = np.random.default_rng(1)
-    cuts = np.sort(rng.integers(0, events.size, 300))
-    pieces = asap.simulate(iter(np.split(events, cuts)), cost=COST, scheme=scheme, seed=5)
-    assert digest(whole) == digest(pieces)
-    assert whole.ledger == pieces.ledger
-    assert whole.packages.size > 10
-
-
-def test_exception_of_the_algorithm_comes_out_unchanged():
-    class Broken(Exception):
-        pass
-
-    calls = []
-
-    def algorithm(events):
-        calls.append(events.size)
-        if len(calls) == 3:
-            raise Broken("third")
-
-    events = streams.poisson(1e6, 0.1)
-    with pytest.raises(Broken, match="third"):
-        asap.simulate(events, cost=COST, algorithm=algorithm)
-    run = asap.last_run()
-    assert run.ledger.balanced
-    assert run.ledger.delivered == sum(calls[:2]) == run.packages["size"].sum()
-    assert run.ledger.pending > 0
-
-
-@pytest.mark.parametrize("execution", ["anytime", "whole"])
-def test_the_mask_leads_back_to_the_users_array(execution):
-    events = streams.poisson(6e6, 0.03, seed=4)
-    events["x"] = np.arange(events.size) % 400  # a fifth lies outside the sensor
-    got = []
-    run = asap.simulate(
-        events,
-        cost=COST,
-        latency_ms=5,
-        algorithm=lambda package: got.append(package.copy()),
-        execution=execution,
-        width=320,
-        height=65536,
-        keep_mask=True,
-    )
-    assert run.ledger.rejected > 0 and run.ledger.discarded > 0
-    assert run.kept_mask.shape == events.shape and not run.kept_mask.flags.writeable
-    np.testing.assert_array_equal(events[run.kept_mask], np.concatenate(got))
-
-    first, size = run.packages["first"], run.packages["size"]
-    kept = np.flatnonzero(run.kept_mask)
-    begin = np.cumsum(size) - size  # of each package, among the kept
-    assert (first <= kept[begin]).all()
-    assert (first[1:] > kept[begin[1:] - 1]).all()
-    assert (events["t"][kept[begin]] == run.packages["t_first"]).all()
-
-
 def test_a_bad_event_in_front_sets_no_time(tmp_path):
     """An array and its file are one source: of the same events and of the same duration."""
     events = streams.make([-(10**15), 10, 20, 30, 40], x=[999, 1, 2, 3, 4])

@@ -122,15 +122,6 @@ def test_what_waited_for_a_second_run_is_left_out() -> None:
     assert stamps[0] >= waited_us
 
 
-def test_a_run_is_five_lines_and_the_same_as_of_a_recording() -> None:
-    tracker = asap.ClusterTracker(20, 10)
-    with asap.SoftwareCamera(stream(), **SENSOR) as camera:
-        run = asap.run(camera, algorithm=tracker, latency_ms=LONG_MS)
-    assert run.ledger.delivered == run.ledger.received == 2000
-    assert run.latency.count == 2000
-    assert 0.05 < run.source["duration_s"] < 30
-
-
 def test_a_consumer_that_cannot_keep_up_does_not_hold_the_camera_up() -> None:
     with (
         asap.SoftwareCamera(stream(), **SENSOR) as camera,
