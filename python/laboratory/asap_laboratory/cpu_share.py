@@ -12,7 +12,8 @@ from pathlib import Path
 from typing import Any
 
 from asap import _core, plots
-from asap.experiment import Run, simulate
+from asap.events import Events
+from asap.experiment import simulate
 from asap.synthetic import FlightOverChairs
 from asap_laboratory.page import Row, Rows, Tables, over_seeds
 from asap_laboratory.study import Batch, Study
@@ -21,33 +22,14 @@ LATENCY_MS = 10.0
 ALPHA_US, BETA_NS = 300.0, 200.0
 USUAL_OVERHEAD = 0.25
 
-Setting = tuple[float, float]  # overhead and min_interval_ms of Deadline
-
-SETTINGS: tuple[Setting, ...] = (
-    *((share, 0.0) for share in (0.8, 0.5, 0.25, 0.15, 0.1)),
-    *((USUAL_OVERHEAD, interval) for interval in (2.0, 3.0, 4.0, 5.0)),
+SETTINGS = (
+    *({"overhead": share, "min_interval_ms": 0.0} for share in (0.8, 0.5, 0.25, 0.15, 0.1)),
+    *(
+        {"overhead": USUAL_OVERHEAD, "min_interval_ms": interval}
+        for interval in (2.0, 3.0, 4.0, 5.0)
+    ),
 )
 _FIGURES = ("cpu", "packages_per_s", "p50", "p99", "max", "in_time")
-
-
-def scheme(setting: Setting) -> _core.Deadline:
-    """Make the scheme of a setting."""
-    overhead, min_interval_ms = setting
-    return _core.Deadline(latency_ms=LATENCY_MS, overhead=overhead, min_interval_ms=min_interval_ms)
-
-
-def figures(setting: Setting, run: Run, busy_s: float, duration_s: float) -> Row:
-    """Return what a run gave under a setting; latencies in ms, `cpu` is busy_s over duration_s."""
-    return {
-        "overhead": setting[0],
-        "min_interval_ms": setting[1],
-        "cpu": busy_s / duration_s,
-        "packages_per_s": run.packages.size / duration_s,
-        "p50": run.latency.quantile(0.5) / 1e3,
-        "p99": run.latency.quantile(0.99) / 1e3,
-        "max": run.latency.max / 1e3,
-        "in_time": run.in_time,
-    }
 
 
 @dataclass(frozen=True)
@@ -64,13 +46,20 @@ class FlightCase:
     def measure(self) -> Rows:
         """Run it."""
         events = FlightOverChairs(duration_s=self.duration_s, seed=self.seed).events()
-        rows = []
-        for setting in SETTINGS:
-            cost = _core.LinearCost(ALPHA_US, BETA_NS)
-            run = simulate(events, cost=cost, scheme=scheme(setting))
-            busy_s = float(run.packages["processing_us"].sum()) / 1e6
-            rows.append(figures(setting, run, busy_s, self.duration_s))
-        return rows
+        return [{**setting, **self._under(setting, events)} for setting in SETTINGS]
+
+    def _under(self, setting: dict[str, float], events: Events) -> Row:
+        scheme = _core.Deadline(latency_ms=LATENCY_MS, **setting)
+        run = simulate(events, cost=_core.LinearCost(ALPHA_US, BETA_NS), scheme=scheme)
+        busy_us = float(run.packages["processing_us"].sum())
+        return {
+            "cpu": busy_us / (1e6 * self.duration_s),
+            "packages_per_s": run.packages.size / self.duration_s,
+            "p50": run.latency.quantile(0.5) / 1e3,
+            "p99": run.latency.quantile(0.99) / 1e3,
+            "max": run.latency.max / 1e3,
+            "in_time": run.in_time,
+        }
 
 
 def _batches(form: str) -> Generator[Batch, Rows, None]:
