@@ -6,31 +6,6 @@
 
 namespace asap {
 
-// ---- ClipperAimd ----
-
-namespace {
-
-constexpr double kStep = 50;  // events; also the first limit
-constexpr double kBackOff = 0.9;
-
-}  // namespace
-
-ClipperAimd::ClipperAimd(std::chrono::nanoseconds latency) : Rival(latency), limit_(kStep) {}
-
-Decision ClipperAimd::decide(const Backlog& backlog) noexcept {
-  return Decision::take(std::min(backlog.count, whole_limit()));
-}
-
-void ClipperAimd::observe(const Outcome& outcome) noexcept {
-  if (outcome.processing_ns > latency_ns_ / 2) {
-    limit_ = std::max(1.0, kBackOff * limit_);
-  } else if (outcome.size >= whole_limit()) {
-    limit_ += kStep;
-  }
-}
-
-void ClipperAimd::reset(Execution) noexcept { limit_ = kStep; }
-
 // ---- GreedyClear ----
 
 namespace {
@@ -44,56 +19,6 @@ Decision GreedyClear::decide(const Backlog& backlog) noexcept {
     return Decision::drop(backlog.counts.before(backlog.now_ns - kFreshNs));
   }
   return Decision::take(backlog.count);
-}
-
-// ---- GreedyPie ----
-
-namespace {
-
-constexpr double kIntegral = 20;       // per s
-constexpr double kProportional = 200;  // per s
-constexpr double kQuietAges_s = 0.2e-3;
-constexpr double kMostDropped = 0.99;
-
-}  // namespace
-
-double GreedyPie::gamma(const Arrivals& arrivals) noexcept {
-  const double age_s = static_cast<double>(arrivals.now_ns - arrivals.oldest_ns) * 1e-9;
-  const double target_s = 0.5e-9 * static_cast<double>(latency_ns_);
-  drop_ += kIntegral * (age_s - target_s);
-  if (age_s + age_s_ > kQuietAges_s) drop_ += kProportional * (age_s - age_s_);
-  drop_ = std::clamp(drop_, 0.0, kMostDropped);
-  age_s_ = age_s;
-  return 1.0 - drop_;
-}
-
-void GreedyPie::reset(Execution) noexcept {
-  drop_ = 0.0;
-  age_s_ = 0.0;
-}
-
-// ---- GreedyRateGamma ----
-
-namespace {
-
-constexpr double kNewShare = 0.006379563620851;  // 1 - exp(-32 us / 5 ms)
-constexpr double kLeastShare = 0.05;             // of 1/beta
-
-}  // namespace
-
-void GreedyRateGamma::observe(const Outcome& outcome) noexcept { cost_.update(outcome); }
-
-double GreedyRateGamma::gamma(const Arrivals& arrivals) noexcept {
-  const double rate = static_cast<double>(arrivals.arrived) / static_cast<double>(period_ns());
-  rate_ += kNewShare * (rate - rate_);
-  const double overhead = 2.0 * cost_.alpha_ns() / static_cast<double>(latency_ns_);
-  const double able = std::max(1.0 - overhead, kLeastShare) / cost_.beta_ns();
-  return rate_ > able ? able / rate_ : 1.0;
-}
-
-void GreedyRateGamma::reset(Execution) noexcept {
-  cost_.reset();
-  rate_ = 0.0;
 }
 
 // ---- JaerTimer ----

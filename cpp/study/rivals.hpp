@@ -9,7 +9,6 @@
 #include "asap/runner/simulator.hpp"
 #include "asap/schemes/scheme.hpp"
 #include "core/check.hpp"
-#include "runner/admission.hpp"
 #include "schemes/bounded_scheme.hpp"
 
 namespace asap {
@@ -28,24 +27,6 @@ class Rival : public Scheme {
   const std::int64_t latency_ns_;
 };
 
-// ClipperAimd: the adaptive batching of the prediction server Clipper (Crankshaw et al., NSDI
-// 2017): n = min(N, n_max) of the oldest; after a package that took no more than L/2, n_max grows
-// by 50 if the package was full; after a longer one it shrinks by a tenth. It never drops.
-class ClipperAimd final : public Rival {
- public:
-  explicit ClipperAimd(std::chrono::nanoseconds latency);
-
-  Decision decide(const Backlog& backlog) noexcept override;
-  void observe(const Outcome& outcome) noexcept override;
-  void reset(Execution execution) noexcept override;
-  std::string_view name() const noexcept override { return "clipper_aimd"; }
-
- private:
-  std::size_t whole_limit() const noexcept { return static_cast<std::size_t>(limit_); }
-
-  double limit_;  // n_max
-};
-
 // GreedyClear: Greedy, but when the oldest event is older than L/2 at the moment the algorithm is
 // free, everything older than 4 us is discarded first. What "drop the queue when late" comes to.
 // O(log n) per package.
@@ -55,51 +36,6 @@ class GreedyClear final : public Rival {
 
   Decision decide(const Backlog& backlog) noexcept override;
   std::string_view name() const noexcept override { return "greedy_clear"; }
-};
-
-// GreedyPie: Greedy behind an input filter that is steered like the queue discipline PIE (RFC
-// 8033): every 1 ms, with d = age in s of the oldest waiting event,
-//   p <- clip(p + 20 (d - L/2) + [d + d_old > 0.2 ms] 200 (d - d_old), 0, 0.99),  gamma = 1 - p
-// Only the simulator has a filter on admission.
-class GreedyPie final : public Rival, public Admission {
- public:
-  using Rival::Rival;
-
-  Decision decide(const Backlog& backlog) noexcept override {
-    return Decision::take(backlog.count);
-  }
-  void reset(Execution execution) noexcept override;
-  std::string_view name() const noexcept override { return "greedy_pie"; }
-
-  double gamma(const Arrivals& arrivals) noexcept override;
-  std::int64_t period_ns() const noexcept override { return 1'000'000; }
-
- private:
-  double drop_ = 0.0;   // p
-  double age_s_ = 0.0;  // d, when last asked
-};
-
-// GreedyRateGamma: Greedy behind an input filter that knows what the algorithm can do:
-// gamma = min(1, mu / lambda), mu = max((1 - 2 alpha/L)/beta, 0.05/beta), with alpha and beta
-// learned and lambda the exponential average of the raw rate over 5 ms, refreshed every 32 us. Only
-// the simulator has a filter on admission.
-class GreedyRateGamma final : public Rival, public Admission {
- public:
-  using Rival::Rival;
-
-  Decision decide(const Backlog& backlog) noexcept override {
-    return Decision::take(backlog.count);
-  }
-  void observe(const Outcome& outcome) noexcept override;
-  void reset(Execution execution) noexcept override;
-  std::string_view name() const noexcept override { return "greedy_rate_gamma"; }
-
-  double gamma(const Arrivals& arrivals) noexcept override;
-  std::int64_t period_ns() const noexcept override { return 32'000; }
-
- private:
-  CostModel cost_;
-  double rate_ = 0.0;  // lambda, events per ns
 };
 
 // JaerTimer: after jAER's processing timer. Greedy, but the package stops when its timer of L/2 has

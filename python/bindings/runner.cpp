@@ -21,7 +21,6 @@
 #include "held.hpp"
 #include "keywords.hpp"
 #include "layers.hpp"
-#include "runner/admission.hpp"
 #include "runner/read_ahead.hpp"
 #include "telemetry.hpp"
 
@@ -277,10 +276,9 @@ void bind(py::module_& m) {
   simulator
       .def(py::init([](const Held<Scheme>& scheme, const py::object& cost, const RunConfig& config,
                        const py::object& algorithm, const py::object& speed) {
-             // Rivals of the study also filter on arrival.
-             auto* const admission = dynamic_cast<Admission*>(scheme.get());
-             return Admission::simulator(*scheme, cost_of(cost), config, consumer_of(algorithm),
-                                         admission, real_number("speed", speed));
+             return std::make_unique<Simulator>(*scheme, cost_of(cost), config,
+                                                consumer_of(algorithm),
+                                                real_number("speed", speed));
            }),
            py::arg("scheme"), py::arg("cost"), py::arg("config"), py::arg("algorithm") = py::none(),
            py::arg("speed") = 1.0, py::keep_alive<1, 2>(), py::keep_alive<1, 5>())

@@ -31,13 +31,8 @@ void bind_rivals(py::module_& m) {
              return JaerTimer(time_of_ms("latency_ms", latency_ms), *cost);
            }),
            py::arg("latency_ms"), py::arg("cost"));
-  bind_rival<GreedyPie>(m, "GreedyPie", "Greedy behind an input filter steered like PIE.");
-  bind_rival<GreedyRateGamma>(m, "GreedyRateGamma",
-                              "Greedy behind an input filter that follows rate and cost.");
   bind_rival<GreedyClear>(m, "GreedyClear",
                           "Greedy that discards all but the newest when half the bound is over.");
-  bind_rival<ClipperAimd>(m, "ClipperAimd",
-                          "Packages that grow by 50 events and shrink by a tenth.");
   bind_rival<SparkPid>(m, "SparkPid", "Batches of half the bound, thinned to the achieved rate.");
 }
 

@@ -30,7 +30,6 @@
 #include "packager/anytime_plan.hpp"
 #include "packager/packager.hpp"
 #include "packager/rate_meter.hpp"
-#include "runner/admission.hpp"
 #include "runner/clock.hpp"
 #include "runner/consumer_loop.hpp"
 #include "runner/doorbell.hpp"

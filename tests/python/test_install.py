@@ -176,7 +176,7 @@ def test_the_laboratory_is_not_in_the_wheel(stranger: Path, tmp_path: Path) -> N
         import importlib.util
         import asap
         names = {*dir(asap), *dir(asap._core)}
-        assert not names & {"scenes", "score", "keep_curve", "profiles", "GreedyPie", "SceneLayout"}
+        assert not names & {"scenes", "score", "keep_curve", "profiles", "JaerTimer", "SceneLayout"}
         assert importlib.util.find_spec("asap_laboratory") is None
     """
     run([stranger / "python", "-c", program], cwd=tmp_path)

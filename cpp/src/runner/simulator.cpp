@@ -8,7 +8,6 @@
 
 #include "core/check.hpp"
 #include "core/made.hpp"
-#include "runner/admission.hpp"
 #include "runner/run.hpp"
 #include "schemes/scheme_hold.hpp"
 #include "telemetry/slot_log.hpp"
@@ -17,14 +16,13 @@ namespace asap::inline v0_1 {
 namespace {
 
 constexpr std::uint64_t kNoTail = std::numeric_limits<std::uint64_t>::max();
-constexpr std::uint64_t kAdmissionSeed = 0x61646d6974;  // not the gamma filter's numbers
 
 }  // namespace
 
 class Simulator::Impl {
  public:
   Impl(Scheme& scheme, SimulatedCost cost, const RunConfig& config, Consumer consumer,
-       Admission* admission, double speed);
+       double speed);
 
   void feed(EventSpan events);
   void finish();
@@ -33,8 +31,7 @@ class Simulator::Impl {
   RunStats stats() const {
     RunStats stats;
     run_.copy_stats_to(stats, outside());
-    const auto gap_us = static_cast<double>(run_.gap_us(gate_ ? &gate_->gap() : nullptr));
-    stats.gap_us = std::llround(gap_us / speed_);
+    stats.gap_us = std::llround(static_cast<double>(run_.gap_us()) / speed_);
     return stats;
   }
   const Run& parts() const noexcept { return run_; }
@@ -45,14 +42,10 @@ class Simulator::Impl {
   // What may end the run by an exception.
   template <class Work>
   void guard(const Work& work);
-  Run::Outside outside() const noexcept;
+  Run::Outside outside() const noexcept { return {.is_quiet = true, .waiting = arriving_.size()}; }
   void receive(EventSpan good);
   void drain();
   void start(const Event& first);
-  void look(Arrivals& arrivals);
-  // With an admission gate: every event that arrives before this time has been fed.
-  void run_until(std::int64_t time_ns);
-  bool knows(std::int64_t time_ns) const noexcept;  // all that arrives up to then
   void run_while_known();
   // Pass time until this part of the package is done, or the wait is over; false: the known
   // arrivals end before that. Meanwhile events arrive, and the package still holds its place in the
@@ -74,11 +67,8 @@ class Simulator::Impl {
   SchemeHold hold_;  // from the first event to the end of the run
   Run run_;
   SlotLog slots_;
-  std::optional<AdmissionGate> gate_;
 
   EventSpan arriving_;  // of the chunk being fed: events that have not arrived yet
-  std::int64_t known_until_ns_ = kLongAgo;  // known beyond arriving_: silence until then
-  std::uint64_t good_ = 0;                  // events that the validator let in
   bool started_ = false;
   std::int64_t now_ns_ = kLongAgo;
   bool is_working_ = false;
@@ -94,7 +84,7 @@ class Simulator::Impl {
 };
 
 Simulator::Impl::Impl(Scheme& scheme, SimulatedCost cost, const RunConfig& config,
-                      Consumer consumer, Admission* admission, double speed)
+                      Consumer consumer, double speed)
     : cost_(std::holds_alternative<LinearCost>(cost) ? std::get<LinearCost>(cost) : LinearCost()),
       function_(std::holds_alternative<LinearCost>(cost) ? CostFunction()
                                                          : std::get<CostFunction>(cost)),
@@ -107,9 +97,6 @@ Simulator::Impl::Impl(Scheme& scheme, SimulatedCost cost, const RunConfig& confi
     throw_bad_value("cost", "none", "give the us that n events take");
   }
   require(speed >= 1e-3 && speed <= 1e6, "speed", speed, "must be between 0.001 and 1e6");
-  if (admission == nullptr) return;
-  require(!config.keep_mask, "keep_mask", 1, "not with a scheme that filters on arrival");
-  gate_.emplace(*admission, config.seed ^ kAdmissionSeed);
 }
 
 template <class Work>
@@ -141,7 +128,6 @@ void Simulator::Impl::finish() {
 
 void Simulator::Impl::drain() {
   run_.buffer().close();
-  now_ns_ = std::max(now_ns_, known_until_ns_);
   for (;;) {
     while (is_working_) {
       now_ns_ = busy_until_ns_;
@@ -155,27 +141,12 @@ void Simulator::Impl::drain() {
   }
 }
 
-Run::Outside Simulator::Impl::outside() const noexcept {
-  const std::uint64_t at_the_gate = gate_ ? good_ - gate_->seen() : 0;
-  return {true, gate_ ? gate_->discarded() : 0, arriving_.size() + at_the_gate};
-}
-
 void Simulator::Impl::receive(EventSpan good) {
   if (good.empty()) return;
   if (!started_) start(good.front());
-  good_ += good.size();
   slots_.received(good);
-  if (!gate_) {
-    arriving_ = good;
-    return run_while_known();
-  }
-  gate_->pass(
-      good, run_.axis(), [this](Arrivals& arrivals) { look(arrivals); },
-      [this](EventSpan admitted) {
-        arriving_ = admitted;
-        run_while_known();
-      });
-  run_until(run_.axis().to_ns(good.back().t));
+  arriving_ = good;
+  run_while_known();
 }
 
 void Simulator::Impl::start(const Event& first) {
@@ -184,31 +155,13 @@ void Simulator::Impl::start(const Event& first) {
   started_ = true;
 }
 
-void Simulator::Impl::run_until(std::int64_t time_ns) {
-  known_until_ns_ = time_ns;
-  run_while_known();
-}
-
-void Simulator::Impl::look(Arrivals& arrivals) {
-  run_until(arrivals.now_ns);
-  const EventPieces in_ring = run_.buffer().peek();
-  const std::size_t in_work = is_working_ ? working_.raw : 0;
-  arrivals.waiting = in_ring.size() - in_work;
-  arrivals.oldest_ns =
-      arrivals.waiting > 0 ? run_.axis().to_ns(in_ring[in_work].t) : arrivals.now_ns;
-}
-
-bool Simulator::Impl::knows(std::int64_t time_ns) const noexcept {
-  return !arriving_.empty() || time_ns < known_until_ns_;
-}
-
 void Simulator::Impl::run_while_known() {
   for (;;) {
     if (is_working_ && !work()) return;
     if (is_working_) continue;
     if (is_waiting_ && !wait(waiting_)) return;
     admit(arrivals_by(now_ns_));
-    if (!knows(now_ns_)) return;  // the next chunk may hold more for this moment
+    if (arriving_.empty()) return;  // the next chunk may hold more for this moment
     const std::int64_t free_ns = cost_.start_ns(now_ns_);
     if (free_ns > now_ns_) {
       waiting_ = {.step = Packager::Step::wait, .until_ns = free_ns, .until_tail = kNoTail};
@@ -228,7 +181,7 @@ void Simulator::Impl::run_while_known() {
 
 bool Simulator::Impl::work() {
   admit(arrivals_by(busy_until_ns_));
-  if (!knows(busy_until_ns_)) return false;  // the next chunk may hold more for this time
+  if (arriving_.empty()) return false;  // the next chunk may hold more for this time
   now_ns_ = busy_until_ns_;
   go_on();
   return true;
@@ -238,7 +191,7 @@ bool Simulator::Impl::wait(const Packager::Next& next) {
   const std::uint64_t missing = next.until_tail - run_.buffer().tail();
   const std::size_t known = std::min<std::uint64_t>(missing, arriving_.size());
   const std::int64_t last_ns = known > 0 ? run_.axis().to_ns(arriving_[known - 1].t) : kLongAgo;
-  if (known < missing && last_ns <= next.until_ns && next.until_ns >= known_until_ns_) {
+  if (known < missing && last_ns <= next.until_ns) {
     now_ns_ = std::max(now_ns_, last_ns);
     admit(known);
     return false;
@@ -313,17 +266,7 @@ std::size_t Simulator::Impl::arrivals_by(std::int64_t time_ns) const noexcept {
 
 Simulator::Simulator(Scheme& scheme, SimulatedCost cost, RunConfig config, Consumer consumer,
                      double speed)
-    : Simulator(std::make_unique<Impl>(scheme, std::move(cost), config, std::move(consumer),
-                                       nullptr, speed)) {}
-
-Simulator::Simulator(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-
-std::unique_ptr<Simulator> Admission::simulator(Scheme& scheme, SimulatedCost cost,
-                                                RunConfig config, Consumer consumer,
-                                                Admission* admission, double speed) {
-  return std::unique_ptr<Simulator>(new Simulator(std::make_unique<Simulator::Impl>(
-      scheme, std::move(cost), config, std::move(consumer), admission, speed)));
-}
+    : impl_(std::make_unique<Impl>(scheme, std::move(cost), config, std::move(consumer), speed)) {}
 
 Simulator::~Simulator() = default;
 

@@ -114,16 +114,7 @@ class MovingShapesStream(metaclass=_pybind11_type):
 class JaerTimer(Scheme):
     def __init__(self, latency_ms: float, cost: LinearCost) -> None: ...
 
-class GreedyPie(Scheme):
-    def __init__(self, latency_ms: float) -> None: ...
-
-class GreedyRateGamma(Scheme):
-    def __init__(self, latency_ms: float) -> None: ...
-
 class GreedyClear(Scheme):
-    def __init__(self, latency_ms: float) -> None: ...
-
-class ClipperAimd(Scheme):
     def __init__(self, latency_ms: float) -> None: ...
 
 class SparkPid(Scheme):

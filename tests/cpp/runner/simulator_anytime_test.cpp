@@ -1,4 +1,4 @@
-// Anytime packages, outages and admission in virtual time, however the events come: what a package
+// Anytime packages and outages in virtual time, however the events come: what a package
 // holds and what the rows say of it is held by tests/simulation.
 #include <gtest/gtest.h>
 
@@ -13,7 +13,6 @@
 #include "asap/runner/simulator.hpp"
 #include "asap/schemes/greedy.hpp"
 #include "core/random.hpp"
-#include "runner/admission.hpp"
 #include "runner/run.hpp"
 #include "support/gap.hpp"
 #include "support/scripted_scheme.hpp"
@@ -103,20 +102,16 @@ struct Result {
 Result result_of(Scheme& scheme, const LinearCostConfig& cost, const RunConfig& config,
                  EventSpan events, std::size_t largest) {
   Result result;
-  const auto simulator = Admission::simulator(
-      scheme, LinearCost(cost), config,
-      [&](const Package& package) {
-        result.delivered.insert(result.delivered.end(), package.events.begin(),
-                                package.events.end());
-      },
-      dynamic_cast<Admission*>(&scheme));
-  feed_in_chunks(*simulator, events, largest);
-  const RunLog& log = simulator->log();
+  Simulator simulator(scheme, LinearCost(cost), config, [&](const Package& package) {
+    result.delivered.insert(result.delivered.end(), package.events.begin(), package.events.end());
+  });
+  feed_in_chunks(simulator, events, largest);
+  const RunLog& log = simulator.log();
   for (std::size_t i = 0; i < log.size(); ++i) result.rows.push_back(log[i]);
-  result.slots.assign(simulator->slots().begin(), simulator->slots().end());
-  result.ledger = simulator->ledger();
-  result.busy_ns = simulator->busy_ns();
-  EXPECT_EQ(simulator->stats().gap_us,
+  result.slots.assign(simulator.slots().begin(), simulator.slots().end());
+  result.ledger = simulator.ledger();
+  result.busy_ns = simulator.busy_ns();
+  EXPECT_EQ(simulator.stats().gap_us,
             test::gap_us({events.begin(), events.end()}, result.delivered));
   return result;
 }
@@ -200,92 +195,6 @@ TEST(SimulatorAnytime, AnOutageEndsAPackageEarlyAndLeavesTheRestInTheRing) {
   EXPECT_EQ(scheme.outcomes[0].outage_ns, 0);
   EXPECT_EQ(scheme.outcomes[1].work_ns(), 501 * kMicrosecond);
   EXPECT_EQ(scheme.outcomes[2].outage_ns, 0);
-}
-
-// ---- admission
-
-// Filters on arrival, and decides like a rule.
-class Admitting final : public Scheme, public Admission {
- public:
-  using Gamma = std::function<double(const Arrivals&)>;
-
-  Admitting(ScriptedScheme::Rule rule, Gamma gamma, std::int64_t period_ns)
-      : rule_(std::move(rule)), gamma_(std::move(gamma)), period_ns_(period_ns) {}
-
-  Decision decide(const Backlog& backlog) noexcept override {
-    return exempt([&] { return rule_(backlog); });
-  }
-  std::string_view name() const noexcept override { return "admitting"; }
-  double gamma(const Arrivals& arrivals) noexcept override {
-    told.push_back(arrivals);
-    return gamma_(arrivals);
-  }
-  std::int64_t period_ns() const noexcept override { return period_ns_; }
-
-  std::vector<Arrivals> told;
-
- private:
-  ScriptedScheme::Rule rule_;
-  Gamma gamma_;
-  std::int64_t period_ns_;
-};
-
-// Less the more waits, and nothing while it waits for long.
-double by_backlog(const Arrivals& arrivals) {
-  if (arrivals.now_ns - arrivals.oldest_ns > 2 * kMillisecond) return 0.0;
-  return 1.0 / (1.0 + 0.01 * static_cast<double>(arrivals.waiting + arrivals.arrived));
-}
-
-TEST(SimulatorAnytime, AdmissionIsTheSameHoweverTheEventsCome) {
-  for (std::uint64_t seed = 0; seed < 12; ++seed) {
-    const Events events = test::random_stream(seed, 2000);
-    const std::int64_t period_ns = seed % 2 == 0 ? kMillisecond / 8 : 3 * kMillisecond + 1;
-    SCOPED_TRACE(testing::Message() << "seed " << seed);
-    expect_the_same_however_it_comes(
-        [&] { return std::make_unique<Admitting>(at_random(seed), by_backlog, period_ns); },
-        costs_of(seed)[seed % 4],
-        {.latency = 5ms, .capacity = 300, .seed = seed, .execution = Execution::anytime}, events);
-    if (HasFailure()) return;
-  }
-}
-
-ScriptedScheme::Rule greedy() {
-  return [](const Backlog& backlog) { return Decision::take(backlog.count); };
-}
-
-TEST(SimulatorAnytime, ALongSilenceIsNotAskedForAtEveryPeriod) {
-  Admitting scheme(greedy(), [](const Arrivals&) { return 1.0; }, kMillisecond);
-  const auto simulator =
-      Admission::simulator(scheme, LinearCost({.alpha_us = 1, .beta_ns = 1}), {}, {}, &scheme);
-  simulator->feed(test::at_times({0, 1'000'000'000}));
-  simulator->finish();
-  EXPECT_EQ(simulator->ledger().delivered, 2u);
-  EXPECT_LE(scheme.told.size(), 100'010u) << "of a million";
-}
-
-struct Trouble {};
-
-TEST(SimulatorAnytime, AnExceptionLeavesABalancedLedgerBehindAGate) {
-  for (const std::size_t chunk : {1u, 10u, 1000u}) {
-    for (const int last : {1, 2, 5, 30}) {
-      Admitting scheme(greedy(), [](const Arrivals&) { return 0.7; }, kMillisecond);
-      int calls = 0;
-      const auto simulator = Admission::simulator(
-          scheme, LinearCost({.alpha_us = 100, .beta_ns = 10'000}), {},
-          [&](const Package&) {
-            if (++calls == last) throw Trouble{};
-          },
-          &scheme);
-      Events events = evenly_spaced(1000, 30);
-      for (std::size_t i = 500; i < events.size(); ++i) events[i].t += 20'000;  // a silence
-      EXPECT_THROW(feed_in_chunks(*simulator, events, chunk), Trouble);
-      EXPECT_EQ(calls, last);
-      const Ledger ledger = simulator->ledger();
-      EXPECT_TRUE(ledger.balanced());
-      EXPECT_GT(ledger.pending, 0u);
-      EXPECT_EQ(simulator->log().size(), static_cast<std::size_t>(last) - 1);
-    }
-  }
 }
 
 }  // namespace

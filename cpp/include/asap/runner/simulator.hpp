@@ -119,10 +119,7 @@ class Simulator {
   std::int64_t busy_ns() const noexcept;
 
  private:
-  friend class Admission;
   class Impl;
-  explicit Simulator(std::unique_ptr<Impl> impl);
-
   const std::unique_ptr<Impl> impl_;
 };
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Generator, Iterator, Mapping
 from pathlib import Path
 from statistics import fmean
@@ -30,7 +29,6 @@ __all__ = ["SCHEMES", "summary"]
 
 _SHARES = ("score", "kept", "overflow", "cpu", "whole_score")
 _TIMES = ("p50_ms", "p99_ms", "max_ms", "gap_ms", "settle_ms", "packages_per_s")
-_DEVIATION = 0.02  # of a score, from which on a cell is named
 _LONG_SILENCE_MS = 60.0
 _CASE = ("cost_model", "profile")
 
@@ -46,11 +44,7 @@ def summary(rows: Rows) -> Tables:
     tabled = [row for row in runs if row["contender"] not in settings] + list(_in_hindsight(runs))
     cells = over_seeds(tabled, (*_CASE, "contender"), (*_SHARES, *_TIMES))
     cells.sort(key=lambda row: (*_place(row), row["contender"] in HINDSIGHT))
-    earlier = _earlier()
-    for row in cells:
-        key = row["cost_model"], row["contender"], row["profile"]
-        row["earlier_score"] = earlier.get(key)
-    kept = (*_CASE, "contender", *_SHARES, *_TIMES, "earlier_score")
+    kept = (*_CASE, "contender", *_SHARES, *_TIMES)
     return {
         "study": [*_oracles(runs), *({name: row[name] for name in kept} for row in cells)],
         "aggregates": list(_aggregates(cells)),
@@ -127,31 +121,6 @@ def _few(rows: Rows) -> Iterator[Row]:
             yield {"contender": contender, "bound": bound, "mean": mean, "least": least}
 
 
-def _earlier() -> dict[tuple[str, str, str], float]:
-    """Read the scores of an earlier study, by cost model, contender and profile.
-
-    Means of three seeds of 5 s; it simulated a fluid in bins of 2 us, before this code was written.
-    """
-    with Path(__file__).with_name("reference.csv").open(encoding="utf-8", newline="") as lines:
-        rows = list(csv.DictReader(lines))
-    return {
-        (row["cost_model"], row["contender"], profile): float(cell)
-        for row in rows
-        for profile, cell in row.items()
-        if profile in (*NAMED, *FURTHER) and cell
-    }
-
-
-def _facts(tables: Tables) -> dict[str, Any]:
-    deviating = [
-        row
-        for row in tables["study"]
-        if row.get("earlier_score") is not None
-        and round(abs(row["score"] - row["earlier_score"]), 3) > _DEVIATION
-    ]
-    return {"models": tuple(LATENCY_MS), "deviating": deviating}
-
-
 def _figures(tables: Tables) -> Mapping[str, Any]:
     from asap_laboratory.schemes import figures
 
@@ -190,14 +159,11 @@ SCHEMES = Study(
     cells={
         **{name: figure(name, _share) for name in _SHARES},
         **{name: figure(name, short) for name in _TIMES},
-        "earlier_score": figure("earlier_score"),
-        "where": lambda row: f"{row['contender']}, {row['cost_model']}/{row['profile']}",
-        "difference": lambda row: f"{row['score'] - row['earlier_score']:+.3f}",
         "aggregate": _aggregate,
         "mean and least": lambda row: f"{fixed(row['mean'])} / {fixed(row['least'])}",
         "verdict": lambda row: {True: "pass", False: "**FAIL**", None: "-"}[row["holds"]],
     },
     figures=_figures,
-    facts=_facts,
+    facts=lambda tables: {"models": tuple(LATENCY_MS)},
     shown=_shown,
 )

@@ -52,12 +52,9 @@ _BASELINES = [
     Contender("Asap2020", _asap2020(0.9, 0.05), flush=False),
     Contender("Asap2022", _asap2022(), flush=False),
     Contender("Spark PID", lambda latency_ms, cost: _native.SparkPid(latency_ms)),
-    Contender("Clipper AIMD", lambda latency_ms, cost: _native.ClipperAimd(latency_ms)),
     Contender("Greedy", lambda *_: _core.Greedy()),
-    Contender("greedy+PIE", lambda latency_ms, cost: _native.GreedyPie(latency_ms)),
     Contender("greedy+clear", lambda latency_ms, cost: _native.GreedyClear(latency_ms)),
     Contender("jAER timer", lambda latency_ms, cost: _native.JaerTimer(latency_ms, cost)),
-    Contender("greedy+rate-gamma", lambda latency_ms, cost: _native.GreedyRateGamma(latency_ms)),
 ]
 _OURS = [
     Contender("whole DeadBeat", _dead_beat(knee=0.0, overhead=0.0), execution="whole"),
@@ -123,10 +120,7 @@ def contender(label: str) -> Contender:
     return _BY_LABEL[label]
 
 
-_PUBLISHED = (
-    *("SingleEvent", "jAER timer", "greedy+PIE", "greedy+rate-gamma", "greedy+clear"),
-    *("Clipper AIMD", "Spark PID"),
-)
+_PUBLISHED = ("SingleEvent", "jAER timer", "greedy+clear", "Spark PID")
 
 
 def baselines(latency_ms: float, cost: _core.LinearCost) -> dict[str, _core.Scheme]:
