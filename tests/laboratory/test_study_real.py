@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 from typing import Any
 
@@ -13,9 +12,10 @@ from asap import _core
 from asap_laboratory import score
 from asap_laboratory.accuracy import Rung
 from asap_laboratory.cli import main
-from asap_laboratory.real import overlays, pictures
+from asap_laboratory.page import Writer
+from asap_laboratory.real import overlays
 from asap_laboratory.real.mistakes import mistakes
-from asap_laboratory.rivals.recordings import Followed, at_hand, follow, opened
+from asap_laboratory.rivals.recordings import CELLS, HEAD, Followed, at_hand, followed, opened
 from asap_laboratory.scenes import labelled
 from event_files import recording
 from labelled_folders import T0_US, folder
@@ -40,22 +40,28 @@ class Told:
         return table
 
 
-def followed(
+def followed_by(
     path: Path, clusters: dict[int, list[tuple[int, float, float]]], **others: Any
 ) -> Followed:
     rung = Rung(lambda width, height: Told(clusters))
-    return follow({"told": rung}, labelled(folder(path, **others)))["told"]
+    return followed(rung, labelled(folder(path, **others)))
 
 
 #: Right at 10 ms, another id and two more clusters at 20 ms, nothing at 30 ms.
 CLUSTERS = {10: [(7, 20, 20)], 20: [(8, 20, 20), (9, 80, 60), (5, 24, 20)]}
 
 
+def cells(one: Followed) -> list[str]:
+    """What the table says: hit to MOTA."""
+    row = {name: None if value != value else value for name, value in one.figures.items()}
+    return [Writer(CELLS).cell(row, name) for name in [*HEAD][1:-1]]
+
+
 # ---- words ----------------------------------------------------------------------------------
 
 
 def test_every_mistake_is_named_with_its_time(tmp_path: Path) -> None:
-    assert mistakes(followed(tmp_path, CLUSTERS)) == [
+    assert mistakes(followed_by(tmp_path, CLUSTERS)) == [
         "object 0 is missed at 1 of 3 times, at 0.03 s",
         "object 0 changes from id 7 to id 8 at 0.02 s",
         "id 9 is false at 1 time, at 0.02 s, near (80, 60): off every box",
@@ -65,53 +71,41 @@ def test_every_mistake_is_named_with_its_time(tmp_path: Path) -> None:
 
 
 def test_an_unlabelled_background_has_no_false_clusters(tmp_path: Path) -> None:
-    one = followed(tmp_path, CLUSTERS, background="unlabelled")
+    one = followed_by(tmp_path, CLUSTERS, background="unlabelled")
     assert not any("false" in words for words in mistakes(one))
-    assert overlays._cells(one)[1:3] == (".667", "not judged")
+    assert cells(one)[:2] == [".667", "not judged"]
 
 
 # ---- the table ------------------------------------------------------------------------------
 
 
 def test_the_figures_are_those_of_score(tmp_path: Path) -> None:
-    one = followed(tmp_path, CLUSTERS)
+    one = followed_by(tmp_path, CLUSTERS)
     scored = score(Told(CLUSTERS), one.scene)
     for name in ("hit", "precision", "switches", "longest", "error", "iou", "mota"):
         assert one.figures[name] == scored[name]
-    row = overlays._cells(one)[1:-1]
-    assert row == (".667", ".500", "1", ".333", "0.0", ".490", "-.333")
+    assert cells(one) == [".667", ".500", "1", ".333", "0.0", ".490", "-.333"]
 
 
-# ---- the page -------------------------------------------------------------------------------
+# ---- the figure -----------------------------------------------------------------------------
 
 
-def drawn(one: Followed, index: int) -> str:
-    return pictures.overlay(one, index, "words")
-
-
-def test_an_overlay_shows_events_outlines_ids_tails_and_boxes(tmp_path: Path) -> None:
+def test_an_overlay_shows_events_objects_ids_tails_and_boxes(tmp_path: Path) -> None:
     seen = {10: [(7, 20, 20)], 20: [(7, 22, 20), (9, 80, 60)]}
-    one = followed(tmp_path, seen, zones=f"1,5,2,6,{T0_US},{T0_US + 15_000}\n")
-    first, second, third = (drawn(one, index) for index in range(3))
-    assert 'viewBox="0 0 100 80"' in first and "data:image/png;base64," in first
-    assert '<rect class="zone" x="1.0" y="2.0" width="4.0" height="4.0"/>' in first
-    assert 'class="zone"' not in second  # from 15 ms on it is judged
-    assert 'rx="6.0" ry="3.0"' in first and ">7</text>" in first and "polyline" not in first
-    assert 'points="20.0,20.0 22.0,20.0"' in second
-    assert second.count("<ellipse") == 2 and second.count('<ellipse class="id false"') == 1
-    assert 'class="box"' in second and 'class="box missed"' in third
-
-
-def test_the_page_is_one_file_without_script_and_says_what_went_wrong(tmp_path: Path) -> None:
-    one = followed(tmp_path, CLUSTERS)
-    path = overlays.write(tmp_path / "real.html", [one], left_out=["a & b"], command="as typed")
-    html = path.read_text()
-    assert "<script" not in html and not re.findall(r'(?:src|href)="(?!data:)', html)
-    assert html.count("<figure>") == 3 and "as typed" in html and "Left out: a &amp; b" in html
-    for words in mistakes(one):
-        assert f"<li>{words}</li>" in html
-    assert "0.020 s: 1 of 1 hit, 2 false, 1 with a new id" in html
-    assert "0.030 s: 0 of 1 hit, 1 missed" in html
+    one = followed_by(tmp_path, seen, zones=f"1,5,2,6,{T0_US},{T0_US + 15_000}\n")
+    first, second, third, *rest = overlays.draw(one).axes
+    assert [axes.get_title(loc="left") for axes in (first, second, third)] == [
+        "0.010 s: 1 of 1 hit",
+        "0.020 s: 1 of 1 hit, 1 false",
+        "0.030 s: 0 of 1 hit, 1 missed",
+    ]
+    assert not rest and first.images[0].get_array()[20, 20] == 0.6
+    assert [len(axes.patches) for axes in (first, second, third)] == [3, 3, 1]  # zone, boxes
+    assert [words.get_text() for words in second.texts] == ["7", "9"]
+    assert second.lines[0].get_xydata().tolist() == [[20, 20], [22, 20]]
+    assert [one.get_linestyle() for one in second.patches[1:]] == ["-", "--"]
+    box_of_7 = first.patches[-1].get_bbox().bounds  # 1.75 sigma around
+    assert box_of_7 == (20 - 7, 20 - 3.5, 14, 7)
 
 
 # ---- folders and the command ----------------------------------------------------------------
@@ -153,7 +147,7 @@ def test_without_a_folder_it_looks_where_the_tests_look(
     assert [path.name for path in at_hand()] == ["first"]
 
 
-def test_command_prints_the_table_and_writes_document_and_page(
+def test_command_prints_the_table_and_writes_page_and_figures(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out = tmp_path / "out"
@@ -164,12 +158,14 @@ def test_command_prints_the_table_and_writes_document_and_page(
     )
     assert "| first | .000 | - | 0 | .000 | - | - | .000 |" in printed
     assert printed.endswith(
-        f"wrote {out / 'real.md'}\nwrote {out / 'data' / 'real.csv'}\nwrote {out / 'real.html'}\n"
+        f"wrote {out / 'real.md'}\nwrote {out / 'data' / 'real.csv'}\n"
+        f"wrote {out / 'real_first.svg'}\n"
     )
     assert "left out: second/truth.csv: row 1" in told
     assert (out / "data" / "real.csv").read_text().startswith("set,hit,precision,switches,")
     text = (out / "real.md").read_text()
-    assert f"`asap-study --real {tmp_path.name}`" in text
+    assert f"`asap-study --real {tmp_path.name}`" in text and "![first](real_first.svg)" in text
+    assert "Left out: second/truth.csv: row 1" in text
     assert "**first**\n\n- object 0 is missed at 3 of 3 times, between 0.01 and 0.03 s" in text
 
 
@@ -187,4 +183,4 @@ def test_command_without_recordings_says_what_to_do(
 
 def test_the_page_of_the_labelled_recordings(tmp_path: Path) -> None:
     assert main(["--real", str(recording("labelled")), "--out", str(tmp_path)]) == 0
-    assert (tmp_path / "real.html").read_text().count("<article>") >= 5
+    assert len(list(tmp_path.glob("real_*.svg"))) >= 5

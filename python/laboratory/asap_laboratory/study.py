@@ -68,8 +68,6 @@ class Study:
         How the page writes a row, by the names that the template uses.
     figures : callable, optional
         Makes the figures of the tables, by the names of their SVG files.
-    pages : callable, optional
-        Writes what else the study shows into a folder; returns the paths.
     facts : callable, optional
         Makes what else the template needs of the tables.
     shown : callable, optional
@@ -84,7 +82,6 @@ class Study:
     tables: tuple[str, ...]
     cells: Mapping[str, Cell]
     figures: Callable[[Tables], Mapping[str, Any]] = lambda tables: {}
-    pages: Callable[[Tables, Path], list[Path]] = lambda tables, folder: []
     facts: Callable[[Tables], Mapping[str, Any]] = lambda tables: {}
     shown: Callable[[Tables, Writer], str] = lambda tables, writer: ""
 
@@ -181,7 +178,7 @@ def write(study: Study, folder: Path, *, taken_from_file: int = 0) -> Conducted:
     for name, drawn in study.figures(tables).items():
         paths.append(folder / f"{name}.svg")
         paths[-1].write_text(plots.svg(drawn), encoding="utf-8")
-    return Conducted(tables, [*paths, *study.pages(tables, folder)], taken_from_file)
+    return Conducted(tables, paths, taken_from_file)
 
 
 def _origin(command: str, form: str, seconds: float) -> dict[str, Any]:

@@ -1,14 +1,15 @@
-"""The cluster tracker on recordings with boxes: a table, and a page of overlays."""
+"""The cluster tracker on recordings with boxes: a table, overlays, what went wrong."""
 
 from __future__ import annotations
 
 from collections.abc import Generator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from asap_laboratory.page import Rows, Tables, distinct, only
 from asap_laboratory.real.mistakes import mistakes
-from asap_laboratory.rivals.recordings import CELLS, HEAD, Followed, RecordingCase, follow
+from asap_laboratory.rivals.recordings import CELLS, HEAD, Followed, RecordingCase, followed
 from asap_laboratory.rivals.trackers import OURS, RIVALS
 from asap_laboratory.scenes import LabelledScene
 from asap_laboratory.study import Batch, Study
@@ -35,18 +36,22 @@ class RealCase(RecordingCase):
 def real_study(scenes: dict[Path, LabelledScene], left_out: Sequence[str], command: str) -> Study:
     """Make the study of recordings by their folders, as `opened` returns them.
 
-    `left_out`: why other recordings are not among them; stands on the page. `command`: named in
-    document and page.
+    `left_out`: why other recordings are not among them. Both it and `command` stand on the page.
     """
 
     def batches(form: str) -> Generator[Batch, Rows, None]:
         yield Batch([RealCase(str(folder.resolve())) for folder in scenes], one_at_a_time=True)
 
-    def pages(tables: Tables, out: Path) -> list[Path]:
+    def figures(tables: Tables) -> dict[str, Any]:
         from asap_laboratory.real import overlays
 
-        found = [follow({OURS: RIVALS[OURS]}, scene)[OURS] for scene in scenes.values()]
-        return [overlays.write(out / "real.html", found, left_out=left_out, command=command)]
+        return {
+            f"real_{scene.name}": overlays.draw(followed(RIVALS[OURS], scene))
+            for scene in scenes.values()
+        }
+
+    def facts(tables: Tables) -> dict[str, Any]:
+        return {"head": HEAD, "names": distinct(tables["real"], "set"), "left_out": left_out}
 
     return Study(
         name="real",
@@ -56,8 +61,8 @@ def real_study(scenes: dict[Path, LabelledScene], left_out: Sequence[str], comma
         summary=_summary,
         tables=("real", "mistakes"),
         cells=CELLS,
-        facts=lambda tables: {"head": HEAD, "names": distinct(tables["real"], "set")},
-        pages=pages,
+        figures=figures,
+        facts=facts,
         shown=lambda tables, writer: writer.listing(tables["real"], HEAD),
     )
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +17,7 @@ from asap_laboratory.page import Cell, Row, Rows, figure, fixed
 from asap_laboratory.rivals.trackers import RIVALS, costs_ns
 from asap_laboratory.scenes import LabelledScene, labelled
 from asap_laboratory.scoring.boxes import BoxMatch, box_matches, box_score, frames
-from asap_laboratory.scoring.trace import found_at, snapshots_at
+from asap_laboratory.scoring.trace import snapshots_at
 
 _FILES = ("events.npz", "truth.csv", "ignore.csv", "sensor.json")
 _NOWHERE = (
@@ -90,14 +91,12 @@ def _holds_any(folder: Path, names: Sequence[str]) -> bool:
 class Followed:
     """A tracker on a recording with boxes.
 
-    `figures`: those of `score` and ns_per_event; `matches`: at each labelled time; `found`: the
-    objects, or clusters, of each of them, as the tracker tells them.
+    `figures`: those of `score` and ns_per_event; `matches`: at each labelled time.
     """
 
     scene: LabelledScene
     figures: dict[str, float]
     matches: list[BoxMatch]
-    found: list[NDArray[np.void]]
 
     @property
     def times_s(self) -> NDArray[np.float64]:
@@ -106,36 +105,21 @@ class Followed:
         return np.asarray((stamps - self.scene.events["t"][0]) * 1e-6)
 
 
-class _Witness:
-    """A tracker whose objects, or clusters, are noted whenever they are read."""
-
-    def __init__(self, tracker: Any) -> None:
-        self._tracker = tracker
-        self.found: list[NDArray[np.void]] = []
-
-    def process(self, events: NDArray[np.void]) -> None:
-        self._tracker.process(events, labels=False)
-
-    def clusters_at(self, t_us: int) -> NDArray[np.void]:
-        self.found.append(found_at(self._tracker, t_us))
-        return self.found[-1]
-
-
-def follow(rungs: dict[str, Rung], recording: str | LabelledScene) -> dict[str, Followed]:
+def follow(rungs: dict[str, Rung], recording: str) -> dict[str, Followed]:
     """Let trackers follow a recording; score them, and time them in turns."""
-    scene = labelled(recording) if isinstance(recording, str) else recording
+    scene = labelled(recording)
     costs = costs_ns(rungs, scene)
-    return {label: _followed(rung, scene, costs[label]) for label, rung in rungs.items()}
+    return {label: followed(rung, scene, costs[label]) for label, rung in rungs.items()}
 
 
-def _followed(rung: Rung, scene: LabelledScene, ns_per_event: float) -> Followed:
+def followed(rung: Rung, scene: LabelledScene, ns_per_event: float = math.nan) -> Followed:
+    """Let a tracker follow a recording, and score it."""
     tracker, before = rung.made_for(scene)
-    witness = _Witness(tracker)
     times = [int(frame["t_us"][0]) for frame in frames(scene.boxes)]
-    snapshots, _ = snapshots_at(witness, scene, times, before=before)
+    snapshots, _ = snapshots_at(tracker, scene, times, before=before)
     matches = box_matches(scene, snapshots)
     figures = {**box_score(scene, matches)._asdict(), "ns_per_event": ns_per_event}
-    return Followed(scene, figures, matches, witness.found)
+    return Followed(scene, figures, matches)
 
 
 @dataclass(frozen=True)
