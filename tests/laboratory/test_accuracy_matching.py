@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from asap_laboratory.scoring.matching import match
-from asap_laboratory.scoring.measures import event_accuracy, mota, noise_leak, time_to_confirm
+from asap_laboratory.scoring.measures import mota
 from asap_laboratory.scoring.trace import Sample, Snapshot, follow
-from fake_scene import FakeScene, FakeTracker, perfect
+from fake_scene import FakeScene, perfect
 
 
 def sample(objects, clusters, *, active=None, t_us=100_000, speeds=None, velocities=None):
@@ -132,53 +132,3 @@ def test_five_events_since_the_sample_before_make_an_object_active():
     scene = FakeScene([(50, 50, 0, 0)] * 2, end_us=110_001, silent={1: (100_000, 101_000)})
     actives = [one.active.tolist() for one in follow(perfect(scene), scene).samples]
     assert actives == [[True, True], [True, False], [True, True]]
-
-
-# ---- events ---------------------------------------------------------------------------------
-
-
-def labelled(clusters, ids, **others):
-    scene = FakeScene([(50, 50, 0, 0), (150, 50, 0, 0)], end_us=300_001, **others)
-    trace = follow(FakeTracker(clusters, ids), scene)
-    return trace, match(trace.samples)
-
-
-def right(t_us):
-    return [(7, 50, 50), (8, 150, 50)]
-
-
-def test_event_accuracy_is_of_the_matched_id_after_200_ms():
-    trace, matches = labelled(right, lambda events: np.where(events["x"] == 50, 7, 8))
-    assert event_accuracy(trace, matches) == 1
-    late = lambda events: np.where((events["x"] == 50) & (events["t"] >= 200_000), 7, -1)  # noqa: E731
-    assert event_accuracy(*labelled(right, late)) == 0.5
-    early = lambda events: np.where(events["t"] < 200_000, 7, -1)  # noqa: E731
-    assert event_accuracy(*labelled(right, early)) == 0
-    swapped = lambda events: np.where(events["x"] == 50, 8, 7)  # noqa: E731
-    assert event_accuracy(*labelled(right, swapped)) == 0
-
-
-def test_noise_leak_is_of_noise_after_200_ms():
-    noise = [100_500, 210_500, 220_500, 230_500, 240_500]
-    trace, _ = labelled(right, lambda events: np.where(events["t"] == 210_500, 7, -1), noise=noise)
-    assert noise_leak(trace) == 0.25
-    early, _ = labelled(right, lambda events: np.where(events["t"] == 100_500, 7, -1), noise=noise)
-    assert noise_leak(early) == 0
-
-
-def test_time_to_confirm_is_from_the_first_event_to_the_first_own_id():
-    def ids(events):
-        first = np.where(events["t"] >= 30_000, 7, 8)  # before that the neighbour's
-        return np.where(events["x"] == 50, first, np.where(events["t"] >= 60_000, 8, -1))
-
-    found = time_to_confirm(*labelled(right, ids, silent={1: (0, 20_000)}))
-    assert found == (pytest.approx((30 + 40) / 2), 1.0)
-    only_one = lambda events: np.where(events["x"] == 50, 7, -1)  # noqa: E731
-    assert time_to_confirm(*labelled(right, only_one)) == (0.0, 0.5)
-
-
-def test_without_ids_there_are_no_figures_of_events():
-    trace, matches = labelled(right, None)
-    assert np.isnan(event_accuracy(trace, matches))
-    assert np.isnan(noise_leak(trace))
-    assert np.all(np.isnan(time_to_confirm(trace, matches)))

@@ -6,13 +6,7 @@ import numpy as np
 import pytest
 
 from asap_laboratory.scoring.matching import match
-from asap_laboratory.scoring.measures import (
-    hota,
-    idf1,
-    mean_chi_square_interval,
-    nees,
-)
-from asap_laboratory.scoring.partition import compare_partitions
+from asap_laboratory.scoring.measures import hota, idf1, nees
 from asap_laboratory.scoring.trace import Sample, Snapshot
 
 
@@ -68,34 +62,16 @@ def test_hota_falls_with_the_distance():
     assert gate.detection == pytest.approx(10 / 19)
 
 
-# ---- partitions -----------------------------------------------------------------------------
-
-
-def test_partitions_by_hand():
-    same = compare_partitions([1, 1, 2, 2, -1], [8, 8, 9, 9, -1])
-    assert same == pytest.approx((1, 1, 1, 1, 1))
-    merged = compare_partitions([1, 1, 2, 2], [8, 8, 8, 8])
-    assert merged == pytest.approx((0, 1, 0, 0, 2 / 3))
-    split = compare_partitions([1, 1, 1, 1], [8, 8, 8, 9])
-    assert split == pytest.approx((1, 0, 0, 0, 6 / 7))
-    crossed = compare_partitions([1, 1, 2, 2], [8, 9, 8, 9])
-    assert crossed == pytest.approx((0, 0, 0, -0.5, 0.5), abs=1e-12)
-    mixed = compare_partitions([1, 1, 1, 2], [8, 8, 9, 9])
-    assert mixed.f_measure == pytest.approx((3 * 4 / 5 + 2 / 3) / 4)
-    assert all(map(math.isnan, compare_partitions([], [])))
-
-
 # ---- NEES -----------------------------------------------------------------------------------
 
 
 def test_nees_weighs_the_error_with_the_covariance():
     covariances = [[[[4.0, 0.0], [0.0, 1.0]]], [[[2.0, 1.0], [1.0, 2.0]]]]
     found = nees(match(samples_of([{0: HERE}] * 2, [{7: (52, 51)}, {7: (51, 50)}], covariances)))
-    assert found.nees == pytest.approx((2**2 / 4 + 1 + 2 / 3) / 2)
-    assert (found.nees_low, found.nees_high) == mean_chi_square_interval(2)
+    assert found == pytest.approx((2**2 / 4 + 1 + 2 / 3) / 2)
 
 
 def test_nees_needs_a_covariance_and_a_match():
-    assert all(map(math.isnan, nees(match(samples_of([{0: HERE}], [{7: HERE}])))))
+    assert math.isnan(nees(match(samples_of([{0: HERE}], [{7: HERE}]))))
     nobody = samples_of([{0: HERE}], [{}], [np.empty((0, 2, 2))])
-    assert all(map(math.isnan, nees(match(nobody))))
+    assert math.isnan(nees(match(nobody)))

@@ -51,7 +51,6 @@ def low(**named: Any) -> Any:
 ENTRIES: list[tuple[Callable[..., Any], str, tuple[Any, ...]]] = [
     (scored, "gamma", NO_SHARES),
     (scored, "told", NO_FLAGS),
-    (scored, "active", NO_NAMES),
     (scored, "before", (1, "x", len)),
     (scored, "tracker", (None, 1, "x", len)),
     (curve, "gammas", (*NO_SEQUENCES, [2])),

@@ -14,17 +14,13 @@ from fake_scene import FakeScene, perfect
 SCENE = FakeScene([(50, 50, 0, 0), (150, 100, 0, 0)], end_us=120_001)
 
 
-OTHER = FakeScene([(50, 50, 0, 0)])
-
-
 @pytest.fixture
 def calls(monkeypatch):
     """Every call of score as (gamma, told, seed, has a filter); the score is made up."""
     seen = []
 
-    def score(tracker, scene, *, before, gamma, told, seed, active):
+    def score(tracker, scene, *, before, gamma, told, seed):
         seen.append((gamma, told, seed, before is not None))
-        assert active == ("kept" if scene is OTHER else "produced")
         return {"mota": gamma - seed, "idf1": math.nan}
 
     monkeypatch.setattr(module, "score", score)
@@ -55,14 +51,8 @@ def test_every_gamma_is_scored_with_every_seed_told_and_not(calls):
     ]
     rows = [(row["gamma"], row["told"], row["seeds"]) for row in curve.rows]
     assert rows == [(1, None, 2), (0.5, True, 2), (0.5, False, 2), (0.1, True, 2), (0.1, False, 2)]
-    assert [row["mota"] for row in curve] == pytest.approx([-2.5, -3, -3, -3.4, -3.4])
-    assert [row["mota_sd"] for row in curve] == pytest.approx([0.5**0.5] * 5)
-    assert len(curve) == 5
-
-
-def test_what_makes_an_object_active_is_handed_on(calls):
-    keep_curve(made, OTHER, gammas=(1, 0.5), seeds=(0,), active="kept")
-    assert len(calls) == 3
+    assert [row["mota"] for row in curve.rows] == pytest.approx([-2.5, -3, -3, -3.4, -3.4])
+    assert [row["mota_sd"] for row in curve.rows] == pytest.approx([0.5**0.5] * 5)
 
 
 def test_what_cannot_be_told_is_not(calls):

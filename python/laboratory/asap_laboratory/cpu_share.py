@@ -22,7 +22,7 @@ LATENCY_MS = 10.0
 ALPHA_US, BETA_NS = 300.0, 200.0
 USUAL_OVERHEAD = 0.25
 
-SETTINGS = (
+SETTINGS: tuple[dict[str, Any], ...] = (
     *({"overhead": share, "min_interval_ms": 0.0} for share in (0.8, 0.5, 0.25, 0.15, 0.1)),
     *(
         {"overhead": USUAL_OVERHEAD, "min_interval_ms": interval}
@@ -48,7 +48,7 @@ class FlightCase:
         events = FlightOverChairs(duration_s=self.duration_s, seed=self.seed).events()
         return [{**setting, **self._under(setting, events)} for setting in SETTINGS]
 
-    def _under(self, setting: dict[str, float], events: Events) -> Row:
+    def _under(self, setting: dict[str, Any], events: Events) -> Row:
         scheme = _core.Deadline(latency_ms=LATENCY_MS, **setting)
         run = simulate(events, cost=_core.LinearCost(ALPHA_US, BETA_NS), scheme=scheme)
         busy_us = float(run.packages["processing_us"].sum())

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from asap import _checks, _units
 from asap_laboratory.page import Row, Rows, over_seeds
 from asap_laboratory.scoring.columns import CELLS, columns_of
 from asap_laboratory.scoring.scene import Scene, check_scene
 from asap_laboratory.scoring.scoring import can_be_told, score
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 GAMMAS = (1.0, 0.5, 0.2, 0.1, 0.05)
 
@@ -51,32 +48,12 @@ class KeepCurve:
         rows = over_seeds(self.scored, _KEYS, figures)
         return sorted(rows, key=lambda row: (-row["gamma"], not row["told"]))
 
-    def __iter__(self) -> Iterator[Row]:
-        return iter(self.rows)
-
-    def __len__(self) -> int:
-        return len(self.rows)
-
-    def plot(self) -> Figure:
-        """Draw the main scores over gamma, told and not told, with the spread over the seeds."""
-        from asap_laboratory.scoring import figure
-
-        return figure.figure({self._label: self.rows})
-
-    @property
-    def _label(self) -> str:
-        return f"{self.before} + {self.algorithm}" if self.before else self.algorithm
-
     @property
     def _title(self) -> str:
         behind = f" behind {self.before}" if self.before else ""
         count = self.rows[0]["seeds"]
         seeds = "1 seed" if count == 1 else f"{count} seeds: mean ± standard deviation"
         return f"{self.algorithm}{behind} on {self.scene}, {seeds}"
-
-    def __repr__(self) -> str:
-        rows = ", ".join(f"{row['gamma']:g}" for row in self.rows)
-        return f"<KeepCurve: {self.algorithm} on {self.scene}: gamma {rows}>"
 
     def __str__(self) -> str:
         columns = columns_of(self.rows[0])
@@ -98,7 +75,6 @@ def keep_curve(
     gammas: Sequence[float] = GAMMAS,
     seeds: Sequence[int] = (0, 1, 2),
     before: Callable[[int, int], Any] | None = None,
-    active: str = "produced",
 ) -> KeepCurve:
     """Score an algorithm with less and less of the events, told and not told how many are kept.
 
@@ -115,13 +91,11 @@ def keep_curve(
     before : callable, optional
         A class or function of (width, height) that makes the filter in front. It sees every event:
         the thinning is behind it.
-    active : {"produced", "kept"}
-        As in `score`.
 
     Returns
     -------
     KeepCurve
-        ``print`` it for a table; ``.rows``, ``.plot()``.
+        ``print`` it for a table; ``.rows``.
 
     Raises
     ------
@@ -158,9 +132,7 @@ def keep_curve(
     for seed in seeds:
         scenes.append(scene(seed) if callable(scene) else scene)
         check_scene(scenes[-1])
-        scored += scores_of(
-            algorithm, scenes[-1], gammas=gammas, seed=seed, before=before, active=active
-        )
+        scored += scores_of(algorithm, scenes[-1], gammas=gammas, seed=seed, before=before)
     size = scenes[0].width, scenes[0].height
     return KeepCurve(
         _name(algorithm, *size),
@@ -177,7 +149,6 @@ def scores_of(
     gammas: Sequence[float],
     seed: int,
     before: Callable[[int, int], Any] | None = None,
-    active: str = "produced",
 ) -> Rows:
     """Score on one scene at every gamma, told (where the algorithm can be) and not told."""
 
@@ -189,7 +160,6 @@ def scores_of(
             gamma=gamma,
             told=bool(told),
             seed=seed,
-            active=active,
         )
         return {"gamma": gamma, "told": told, "seed": seed, **found}
 

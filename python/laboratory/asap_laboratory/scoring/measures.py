@@ -1,22 +1,20 @@
-"""Scores of a tracker from its matches: MOTA, IDF1, HOTA, NEES, and the labels of events."""
+"""Scores of a tracker: MOTA, IDF1, HOTA and NEES of its matches, V-measure of its events."""
 
 from __future__ import annotations
 
 import math
-from collections import defaultdict
 from collections.abc import Sequence
-from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2
+from sklearn.metrics import v_measure_score
 
 from asap_laboratory.scoring.matching import Matched, distances, gates
-from asap_laboratory.scoring.scene import NOISE
 from asap_laboratory.scoring.trace import Trace
 
 _ROUNDING = 1e-9
+_SETTLED_US = 200_000  # events before it do not count
 
 
 class Mota(NamedTuple):
@@ -146,111 +144,33 @@ def _sequence(matches: Sequence[Matched]) -> dict[str, Any]:
     }
 
 
-_DIMENSIONS = 2
+def nees(matches: Sequence[Matched]) -> float:
+    """Compare the errors e of matched positions with the covariances P that the tracker states.
 
-
-class Nees(NamedTuple):
-    """Normalised estimation error squared, mean over the matches, and where it should lie.
-
-    NaN where the tracker states no covariance of its positions, or nothing was matched.
-    """
-
-    nees: float  #: mean of e' P^-1 e; above the interval: too sure of itself, below: too modest
-    nees_low: float  #: 95 % interval of a consistent tracker with independent errors
-    nees_high: float
-
-
-def nees(matches: Sequence[Matched]) -> Nees:
-    """Compare the errors of matched positions with the covariances that the tracker states.
-
-    Bar-Shalom, Li, Kirubarajan: Estimation with Applications to Tracking and Navigation, 2001,
-    section 5.4. Errors 5 ms apart are not independent: a consistent tracker may leave the interval.
+    Mean of e' P^-1 e: 2 where they agree, more where it is too sure of itself; NaN where it states
+    none. Bar-Shalom, Li, Kirubarajan: Estimation with Applications to Tracking and Navigation,
+    2001, section 5.4.
     """
     total, count = 0.0, 0
     for one in matches:
         covariances = one.sample.clusters.covariances
         if covariances is None:
-            return Nees(*[float("nan")] * 3)
+            return float("nan")
         rows, columns = one.pairs.T
         error = one.sample.clusters.positions[columns] - one.sample.centres[rows]
         weighted = np.linalg.solve(covariances[columns], error[:, :, None])[:, :, 0]
         total += float(np.sum(error * weighted))
         count += len(error)
-    if count == 0:
-        return Nees(*[float("nan")] * 3)
-    return Nees(total / count, *mean_chi_square_interval(count))
+    return ratio(total, count)
 
 
-def mean_chi_square_interval(count: int, probability: float = 0.95) -> tuple[float, float]:
-    """Where the mean of `count` chi-squares of 2 degrees of freedom lies; both tails alike."""
-    tail = (1 - probability) / 2
-    low, high = chi2.ppf((tail, 1 - tail), _DIMENSIONS * count) / count
-    return float(low), float(high)
+def v_measure(trace: Trace) -> float:
+    """Compare the ids of the events after 200 ms with their labels, as two partitions.
 
-
-SETTLED_US = 200_000  #: events before it do not count
-
-
-class Confirmation(NamedTuple):
-    """How soon objects get their first id."""
-
-    time_to_confirm_ms: float  #: median over the objects that got one; NaN if none did
-    confirmed: float  #: share of the objects that got one
-
-
-def event_accuracy(trace: Trace, matches: Sequence[Matched]) -> float:
-    """Share of the object events after 200 ms that were returned with the object's matched id.
-
-    That is the id that the object was matched to in the newest sample not after the event, or, if
-    it was missed there, before. NaN where the tracker returns no ids.
+    Noise and no id (-1) are classes too; 1 is the same. NaN where the tracker returns no ids.
+    Rosenberg, Hirschberg: V-Measure, EMNLP-CoNLL 2007.
     """
-    if trace.ids is None:
+    settled = trace.t_us >= _SETTLED_US
+    if trace.ids is None or not settled.any():
         return float("nan")
-    correct = total = 0
-    bounds = np.searchsorted(trace.t_us, [one.sample.t_us for one in matches]).tolist()
-    for one, (begin, end) in zip(matches, pairwise([*bounds, trace.t_us.size]), strict=True):
-        if one.sample.t_us < SETTLED_US:
-            continue
-        labels, ids = trace.labels[begin:end], trace.ids[begin:end]
-        for label in np.unique(labels[labels != NOISE]).tolist():
-            of_object = labels == label
-            total += int(of_object.sum())
-            if label in one.memory:
-                correct += int(np.sum(ids[of_object] == one.memory[label]))
-    return ratio(correct, total)
-
-
-def noise_leak(trace: Trace) -> float:
-    """Share of the noise events after 200 ms that were returned with any id; NaN without ids."""
-    if trace.ids is None:
-        return float("nan")
-    noise = (trace.labels == NOISE) & (trace.t_us >= SETTLED_US)
-    return ratio(int(np.sum(trace.ids[noise] >= 0)), int(noise.sum()))
-
-
-def time_to_confirm(trace: Trace, matches: Sequence[Matched]) -> Confirmation:
-    """Time from the first event of an object to the first that is returned with an id of its own.
-
-    Ids of its own are those that it was ever matched to: an event that a neighbour took does not
-    count.
-    """
-    if trace.ids is None:
-        return Confirmation(float("nan"), float("nan"))
-    own: defaultdict[int, set[int]] = defaultdict(set)
-    for one in matches:
-        for label, id in one.memory.items():
-            own[label].add(id)
-    waited_us = [
-        _first_us(trace, label, own[label]) - first_us for label, first_us in trace.first_us.items()
-    ]
-    found = [us for us in waited_us if np.isfinite(us)]
-    return Confirmation(
-        float(np.median(found)) * 1e-3 if found else float("nan"),
-        ratio(len(found), len(trace.first_us)),
-    )
-
-
-def _first_us(trace: Trace, label: int, ids: set[int]) -> float:
-    assert trace.ids is not None
-    hits = np.flatnonzero((trace.labels == label) & np.isin(trace.ids, list(ids)))
-    return float(trace.t_us[hits[0]]) if hits.size else float("inf")
+    return float(v_measure_score(trace.labels[settled], trace.ids[settled]))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 import math
 from typing import Any
 
@@ -12,19 +11,8 @@ from asap import _checks
 from asap_laboratory.scoring.boxes import BoxScene, box_matches, box_score, frames
 from asap_laboratory.scoring.corners import corners
 from asap_laboratory.scoring.matching import match
-from asap_laboratory.scoring.measures import (
-    SETTLED_US,
-    event_accuracy,
-    hota,
-    idf1,
-    mota,
-    nees,
-    noise_leak,
-    ratio,
-    time_to_confirm,
-)
-from asap_laboratory.scoring.partition import compare_partitions
-from asap_laboratory.scoring.scene import NOISE, Scene, check_scene
+from asap_laboratory.scoring.measures import hota, idf1, mota, nees, ratio, v_measure
+from asap_laboratory.scoring.scene import Scene, check_scene
 from asap_laboratory.scoring.trace import Feed, Trace, follow, run_through, snapshots_at
 
 
@@ -36,7 +24,6 @@ def score(
     gamma: float = 1.0,
     told: bool = True,
     seed: int = 0,
-    active: str = "produced",
 ) -> dict[str, float]:
     """Score a tracker, or a corner detector, on a scene with truth.
 
@@ -64,10 +51,6 @@ def score(
         Whether the algorithm gets ``set_gamma(gamma)``, where it has it; not called at gamma = 1.
     seed : int
         Of the thinning.
-    active : {"produced", "kept"}
-        Which events make an object active, 5 of them since the previous sample: those that passed
-        the filter, so that every gamma stands against the same samples, or those that reached the
-        tracker, so that an object which is left with too few is no miss.
 
     Returns
     -------
@@ -83,11 +66,8 @@ def score(
         velocity_rms                      fraction of the rms speed
         idf1                              one assignment of ids to objects for the whole scene
         hota, det_a, ass_a                similarity 1 - d / 24 px
-        event_accuracy, noise_leak        events returned with their object's id; noise with any
-        v_measure, homogeneity,           the events as a partition, noise as a class;
-        completeness, ari, f_measure      ``*_objects``: the events of objects only
-        nees, nees_low, nees_high         errors against pxx, pxy, pyy; its 95 % interval
-        time_to_confirm_ms, confirmed     median wait for the first id; objects that got one
+        v_measure                         the events as a partition, noise as a class
+        nees                              errors against pxx, pxy, pyy; 2: as large as stated
         ================================= ==================================================
 
         Of a tracker on a recording with boxes, at every labelled time:
@@ -115,7 +95,7 @@ def score(
     TypeError
         No scene, or neither a tracker nor a corner detector.
     ValueError
-        gamma is not in (0, 1], active is unknown, or an array does not fit the events.
+        gamma is not in (0, 1], or an array does not fit the events.
 
     Notes
     -----
@@ -131,7 +111,6 @@ def score(
     """
     if not hasattr(scene, "boxes"):
         check_scene(scene)
-    _checks.choice("active", active, ("produced", "kept"))
     gamma = _checks.number("gamma", gamma, math.ulp(0.0), 1, "must be in (0, 1]")
     _checks.flag("told", told)
     for name, value in (("tracker", tracker), ("before", before)):
@@ -141,13 +120,11 @@ def score(
     if gamma < 1 and told and can_be_told(tracker):
         _tell(tracker, gamma, filter_upstream=before is not None)
     options: dict[str, Any] = {"before": before, "gamma": gamma, "seed": seed}
-    figures, feed = _figures(tracker, scene, active, options)
+    figures, feed = _figures(tracker, scene, options)
     return {**figures, **_cost(feed), "events": scene.events.size, "processed": feed.indices.size}
 
 
-def _figures(
-    tracker: Any, scene: Any, active: str, options: dict[str, Any]
-) -> tuple[dict[str, float], Feed]:
+def _figures(tracker: Any, scene: Any, options: dict[str, Any]) -> tuple[dict[str, float], Feed]:
     if not (hasattr(tracker, "clusters") or hasattr(tracker, "clusters_at")):
         if hasattr(scene, "boxes"):
             raise TypeError(_checks.named("tracker", tracker, "boxes need clusters"))
@@ -162,7 +139,7 @@ def _figures(
         times = [int(frame["t_us"][0]) for frame in frames(scene.boxes)]
         snapshots, feed = snapshots_at(tracker, scene, times, **options)
         return box_score(scene, box_matches(scene, snapshots))._asdict(), feed
-    trace = follow(tracker, scene, active=active, **options)
+    trace = follow(tracker, scene, **options)
     return _of_tracker(trace), trace.feed
 
 
@@ -172,17 +149,10 @@ def can_be_told(algorithm: Any) -> bool:
 
 
 def _tell(algorithm: Any, gamma: float, *, filter_upstream: bool) -> None:
-    if _takes_filter_upstream(algorithm.set_gamma):
-        algorithm.set_gamma(gamma, filter_upstream=filter_upstream)
-    else:
-        algorithm.set_gamma(gamma)
-
-
-def _takes_filter_upstream(set_gamma: Any) -> bool:
     try:
-        return "filter_upstream" in inspect.signature(set_gamma).parameters
-    except ValueError:  # native: the signature is the first line of its docstring
-        return "filter_upstream" in (set_gamma.__doc__ or "").partition("\n")[0]
+        algorithm.set_gamma(gamma, filter_upstream=filter_upstream)
+    except TypeError:  # it has no such parameter
+        algorithm.set_gamma(gamma)
 
 
 def _of_tracker(trace: Trace) -> dict[str, float]:
@@ -194,24 +164,8 @@ def _of_tracker(trace: Trace) -> dict[str, float]:
         "hota": found.hota,
         "det_a": found.detection,
         "ass_a": found.association,
-        "event_accuracy": event_accuracy(trace, matches),
-        "noise_leak": noise_leak(trace),
-        **_partitions(trace),
-        **nees(matches)._asdict(),
-        **time_to_confirm(trace, matches)._asdict(),
-    }
-
-
-def _partitions(trace: Trace) -> dict[str, float]:
-    settled = trace.t_us >= SETTLED_US
-    labels = trace.labels[settled]
-    ids = trace.ids[settled] if trace.ids is not None else labels[:0]
-    whole = compare_partitions(labels[: ids.size], ids)
-    of_objects = labels[: ids.size] != NOISE
-    objects = compare_partitions(labels[: ids.size][of_objects], ids[of_objects])
-    return {
-        **whole._asdict(),
-        **{f"{name}_objects": value for name, value in objects._asdict().items()},
+        "v_measure": v_measure(trace),
+        "nees": nees(matches),
     }
 
 

@@ -49,7 +49,6 @@ class Trace:
     t_us: NDArray[np.int64]  #: of the events that reached the tracker
     labels: NDArray[np.int64]  #: of the same
     ids: NDArray[np.int64] | None  #: returned for them; None where the tracker returns none
-    first_us: dict[int, int]  #: stamp of the first event of each object in the scene
     feed: Feed
 
 
@@ -105,11 +104,6 @@ class _Feeder:
         if self._returned[-1] is not None:
             self._returned[-1] = _ids_of_objects(self._algorithm, self._returned[-1], objects)
 
-    @property
-    def last(self) -> NDArray[np.int64]:
-        """Indices of the last package's events."""
-        return self._indices[-1]
-
     def close(self) -> Feed:
         """Put the packages together."""
         returned = self._returned
@@ -152,7 +146,6 @@ def follow(
     before: Any = None,
     gamma: float = 1.0,
     seed: int = 0,
-    active: str = "produced",
 ) -> Trace:
     """Let a tracker follow a scene and note what it says at every sample time; see `score`."""
     labels = np.asarray(scene.labels).astype(np.int64)
@@ -165,8 +158,7 @@ def follow(
         clusters = snapshot_at(tracker, t_us)
         if _groups(tracker):
             feeder.rename(clusters.ids.tolist())
-        seen = passing if active == "produced" else feeder.last
-        recent = seen[scene.events["t"][seen] >= t_us - PERIOD_US]
+        recent = passing[scene.events["t"][passing] >= t_us - PERIOD_US]
         sample = sample_at(scene, t_us, labels[recent])
         samples.append(sample._replace(clusters=clusters))
     feed = feeder.close()
@@ -176,7 +168,6 @@ def follow(
         scene.events["t"][feed.indices],
         labels[feed.indices],
         None if ids is None else ids.astype(np.int64),
-        _first_us(scene.events["t"], labels),
         feed,
     )
 
@@ -227,15 +218,6 @@ def sample_at(scene: Scene, t_us: int, recent: NDArray[np.int64]) -> Sample:
         clusters=Snapshot(np.empty(0, np.int64), np.empty((0, 2))),
         gates_px=getattr(scene, "match_radii_px", None),
     )
-
-
-def _first_us(t_us: NDArray[np.int64], labels: NDArray[np.int64]) -> dict[int, int]:
-    objects, first = np.unique(labels, return_index=True)
-    return {
-        int(label): int(t_us[index])
-        for label, index in zip(objects, first, strict=True)
-        if label != NOISE
-    }
 
 
 @dataclass(frozen=True)
