@@ -90,14 +90,15 @@ bool ObjectSum::is_quiet() const noexcept {
 
 // ---- objects -----------------------------------------------------------------------------------
 
-Objects::Objects(std::size_t slots) : parts_(slots), objects_(2 * slots) {
+Objects::Objects(std::size_t slots) : parts_(slots) {
+  objects_.reserve(2 * slots);
   listed_.reserve(slots);
   component_.reserve(slots);
 }
 
 void Objects::clear() noexcept {
   std::fill(parts_.begin(), parts_.end(), Part{});
-  std::fill(objects_.begin(), objects_.end(), Object{});
+  objects_.clear();
   now_us_ = 0;
   begun_ = 0;
 }
@@ -208,14 +209,19 @@ std::int64_t Objects::id_of(std::span<const Slot> founders, const Tracks& tracks
 }
 
 std::size_t Objects::begin(std::int64_t id) noexcept {
+  const bool is_full = objects_.size() == 2 * parts_.size();
   std::size_t chosen = kNone;
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     if (objects_[i].id < 0) {
       chosen = i;
       break;
     }
-    if (objects_[i].sum.parts > 0) continue;
+    if (!is_full || objects_[i].sum.parts > 0) continue;
     if (chosen == kNone || objects_[i].seen_us < objects_[chosen].seen_us) chosen = i;
+  }
+  if (chosen == kNone) {
+    chosen = objects_.size();
+    objects_.emplace_back();
   }
   forget(chosen);
   objects_[chosen] = {.id = id, .order = begun_++, .born_us = now_us_, .seen_us = now_us_};

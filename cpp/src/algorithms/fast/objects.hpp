@@ -157,7 +157,7 @@ class Objects {
   void judge(const Tracks& tracks, const NoiseTiles& noise) noexcept;
 
   std::vector<Part> parts_;      // by slot
-  std::vector<Object> objects_;  // twice the slots: one without parts can always be forgotten
+  std::vector<Object> objects_;  // to twice the slots: one without parts can be forgotten then
   std::vector<Slot> listed_;
   std::vector<Slot> component_;  // the parts of one object, component by component
   std::uint64_t now_us_ = 0;
