@@ -167,14 +167,6 @@ def steady(rate, **parameters):
     return fake_run(rates=(rate, rate), duration_s=1.0, **{"rate_bound": None, **parameters})
 
 
-def test_nearly_everything_in_time_means_that_the_camera_limits():
-    diagnosis = analysis.diagnose(steady(1e6))
-    assert diagnosis.limit == "camera"
-    assert diagnosis.offered_hz == pytest.approx(1e6, rel=0.05)
-    assert diagnosis.cost.alpha_us == pytest.approx(100, rel=0.01)
-    assert diagnosis.cost.beta_ns == pytest.approx(150, rel=0.01)
-
-
 def test_bad_events_are_not_the_algorithms_fault():
     assert analysis.diagnose(steady(1e6, rejected=10_000_000)).limit == "data"
 
@@ -222,13 +214,6 @@ def test_the_noise_of_a_cost_is_that_of_a_simulated_one():
     found = analysis.fit_cost(run_with(size, noisy(size, 100, 300, 0.3, rng)))
     assert (found.alpha_us, found.beta_ns) == pytest.approx((100, 300), rel=0.02)
     assert found.noise == pytest.approx(0.3, rel=0.03)
-
-
-def test_a_queue_that_grows_where_most_could_be_in_time_is_the_schemes_fault():
-    """Of 4 Mev/s within 450 us, 93 % can be; a scheme that drops none has all of them late."""
-    run = steady(4e6, bound_us=450.0)
-    assert run.in_time < 0.001
-    assert analysis.diagnose(run).limit == "scheme"
 
 
 @pytest.mark.parametrize(
@@ -287,5 +272,6 @@ def test_rates_of_windows_are_counts_at_any_load(seed, rate_hz):
 
 def test_a_faster_replay_offers_more_events_per_second():
     once, twice = steady(1e6), steady(1e6, speed=2.0)
-    ratio = analysis.diagnose(twice).offered_hz / analysis.diagnose(once).offered_hz
-    assert ratio == pytest.approx(2, rel=1e-6)
+    offered_hz = analysis.diagnose(once).offered_hz
+    assert offered_hz == pytest.approx(1e6, rel=0.05)
+    assert analysis.diagnose(twice).offered_hz == pytest.approx(2 * offered_hz, rel=1e-6)

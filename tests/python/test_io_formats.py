@@ -164,12 +164,6 @@ class TestNpz:
         save(tmp_path / "b.npz", labels=np.arange(3), events=EVENTS)
         assert_equal_events(asap.load(tmp_path / "b.npz"), EVENTS)
 
-    def test_width_and_height(self, tmp_path: Path) -> None:
-        np.savez(tmp_path / "a.npz", events=EVENTS, width=100, height=np.array([90]))
-        rec = asap.read(tmp_path / "a.npz")
-        assert (rec.width, rec.height) == (100, 90)
-        assert max(chunk["x"].max() for chunk in rec) < 100
-
     def test_without_events(self, tmp_path: Path) -> None:
         np.savez(tmp_path / "a.npz", images=np.zeros(3), labels=np.zeros(3))
         with pytest.raises(UnsupportedFormat, match="images, labels"):

@@ -546,7 +546,7 @@ def test_every_verb_takes_several_files_and_a_window(tmp_path: Path) -> None:
 def test_a_sensor_is_read_wherever_it_stands(tmp_path: Path) -> None:
     columns = {role: EVENTS[role] for role in "txyp"}
     for name, size in (
-        ("a.npz", {"width": 346, "height": 260}),
+        ("a.npz", {"width": 346, "height": np.array([260])}),
         ("b.npz", {"resolution": [260, 346]}),
         ("c.h5", {"width": 346, "height": 260}),
         ("d.mat", {"width": 346, "height": 260}),
