@@ -51,8 +51,6 @@ class Validator(metaclass=_pybind11_type):
     @property
     def clock_resets(self) -> int: ...
     @property
-    def clock_offset_us(self) -> int: ...
-    @property
     def last_us(self) -> int: ...
 
 # schemes
@@ -148,39 +146,6 @@ class LatencyHistogram(metaclass=_pybind11_type):
     def quantile(self, q: float) -> float: ...
     def state(self) -> _HistogramState: ...
 
-class Ledger(metaclass=_pybind11_type):
-    def __init__(
-        self,
-        *,
-        received: int = ...,
-        rejected: int = ...,
-        filtered: int = ...,
-        discarded: int = ...,
-        stale: int = ...,
-        overflow: int = ...,
-        delivered: int = ...,
-        pending: int = ...,
-    ) -> None: ...
-    @property
-    def received(self) -> int: ...
-    @property
-    def rejected(self) -> int: ...
-    @property
-    def filtered(self) -> int: ...
-    @property
-    def discarded(self) -> int: ...
-    @property
-    def stale(self) -> int: ...
-    @property
-    def overflow(self) -> int: ...
-    @property
-    def delivered(self) -> int: ...
-    @property
-    def pending(self) -> int: ...
-    @property
-    def balanced(self) -> bool: ...
-    def __eq__(self, other: object, /) -> bool: ...
-
 # runner
 
 def is_native(algorithm: object) -> bool: ...
@@ -190,16 +155,16 @@ class RunConfig(metaclass=_pybind11_type):
     def __init__(
         self,
         *,
-        latency_ms: float | None,
-        capacity: int,
-        seed: int,
-        validator: Validator,
-        execution: str = "anytime",
+        latency_ms: float | None = None,
+        capacity: int = ...,
+        seed: int = ...,
+        validator: Validator | None = None,
+        execution: str = "whole",
         flush: bool = True,
         before: Any = None,
         when_full: str = "thin",
         keep_mask: bool = False,
-        long_log: bool = False,
+        log_rows: int = ...,
     ) -> None: ...
     def latency_bound_us(self, scheme: Scheme) -> float: ...
     @property
@@ -227,7 +192,7 @@ class LinearCost(metaclass=_pybind11_type):
 
 class _Runner(metaclass=_pybind11_type):  # what simulator and replay share
     @property
-    def ledger(self) -> Ledger: ...
+    def ledger(self) -> dict[str, int]: ...
     @property
     def validator(self) -> Validator: ...
     @property
@@ -252,8 +217,6 @@ class Simulator(_Runner):
     def finish(self) -> None: ...
     @property
     def slots(self) -> NDArray[np.void]: ...
-    @property
-    def busy_us(self) -> float: ...
 
 class ReadAhead(metaclass=_pybind11_type):
     def __init__(self) -> None: ...
@@ -299,7 +262,7 @@ class LivePackage(metaclass=_pybind11_type):
 class PipelineStats(metaclass=_pybind11_type):
     def __init__(self, *args: object, **kwargs: object) -> None: ...  # has no constructor
     @property
-    def ledger(self) -> Ledger: ...
+    def ledger(self) -> dict[str, int]: ...
     @property
     def latency(self) -> LatencyHistogram: ...
     @property
@@ -344,7 +307,6 @@ class LivePipeline(metaclass=_pybind11_type):
     def push(self, events: _Events, arrival_time: float | None = None) -> bool: ...
     def upstream_lost(self, marks: int, packets: int = ...) -> None: ...
     def next(self) -> LivePackage | None: ...
-    def complete(self) -> None: ...
     def abandon(self) -> None: ...
     def run(self, algorithm: object, poll: Callable[[], object] | None = None) -> None: ...
     def flush(self) -> None: ...
@@ -354,7 +316,7 @@ class LivePipeline(metaclass=_pybind11_type):
     @property
     def is_open(self) -> bool: ...
     @property
-    def ledger(self) -> Ledger: ...
+    def ledger(self) -> dict[str, int]: ...
     @property
     def packages(self) -> NDArray[np.void]: ...
     def rows(self, since: int) -> NDArray[np.void]: ...
@@ -473,29 +435,29 @@ class ShakenPatternStream(EventStream):
     def __init__(
         self,
         *,
-        width: int,
-        height: int,
-        duration_us: int,
-        t0_us: int,
-        first_rate_hz: float,
-        last_rate_hz: float,
-        amplitude_px: float,
-        noise_hz: float,
-        seed: int,
+        width: int = ...,
+        height: int = ...,
+        duration_us: int = ...,
+        t0_us: int = ...,
+        noise_hz: float = ...,
+        seed: int = ...,
+        first_rate_hz: float = ...,
+        last_rate_hz: float = ...,
+        amplitude_px: float = ...,
     ) -> None: ...
 
 class FlightOverChairsStream(EventStream):
     def __init__(
         self,
         *,
-        width: int,
-        height: int,
-        duration_us: int,
-        t0_us: int,
-        last_rate_hz: float,
-        chair_px: float,
-        noise_hz: float,
-        seed: int,
+        width: int = ...,
+        height: int = ...,
+        duration_us: int = ...,
+        t0_us: int = ...,
+        noise_hz: float = ...,
+        seed: int = ...,
+        last_rate_hz: float = ...,
+        chair_px: float = ...,
     ) -> None: ...
 
 # algorithms
@@ -516,7 +478,15 @@ class _Algorithm(metaclass=_pybind11_type):  # what the algorithms below share
     @property
     def rejected(self) -> int: ...
 
-class ClusterTracker(_Algorithm):
+class _Tracker(_Algorithm):  # gives every event an id
+    @overload
+    def process(self, events: _Events, labels: Literal[True] = True) -> NDArray[np.int32]: ...
+    @overload
+    def process(self, events: _Events, labels: Literal[False]) -> None: ...
+    @overload
+    def process(self, events: _Events, labels: bool) -> NDArray[np.int32] | None: ...
+
+class ClusterTracker(_Tracker):
     def __init__(
         self,
         width: int,
@@ -530,12 +500,6 @@ class ClusterTracker(_Algorithm):
         confirm_events: float = ...,
         coast_ms: float = ...,
     ) -> None: ...
-    @overload
-    def process(self, events: _Events, labels: Literal[True] = True) -> NDArray[np.int32]: ...
-    @overload
-    def process(self, events: _Events, labels: Literal[False]) -> None: ...
-    @overload
-    def process(self, events: _Events, labels: bool) -> NDArray[np.int32] | None: ...
     @property
     def clusters(self) -> NDArray[np.void]: ...
     def clusters_at(self, t_us: int) -> NDArray[np.void]: ...
@@ -552,7 +516,7 @@ class ClusterTracker(_Algorithm):
     @property
     def refused(self) -> int: ...
 
-class PublishedClusterTracker(_Algorithm):
+class PublishedClusterTracker(_Tracker):
     def __init__(
         self,
         width: int,
@@ -565,12 +529,6 @@ class PublishedClusterTracker(_Algorithm):
         min_size: int = ...,
         seed: int = ...,
     ) -> None: ...
-    @overload
-    def process(self, events: _Events, labels: Literal[True] = True) -> NDArray[np.int32]: ...
-    @overload
-    def process(self, events: _Events, labels: Literal[False]) -> None: ...
-    @overload
-    def process(self, events: _Events, labels: bool) -> NDArray[np.int32] | None: ...
     @property
     def clusters(self) -> NDArray[np.void]: ...
     def clusters_at(self, t_us: int) -> NDArray[np.void]: ...
@@ -604,7 +562,7 @@ class FAHarris(_Algorithm):
 
 # features
 
-class FeatureTracker(_Algorithm):
+class FeatureTracker(_Tracker):
     def __init__(
         self,
         width: int,
@@ -617,12 +575,6 @@ class FeatureTracker(_Algorithm):
         window_us: int = ...,
         velocity_us: int = ...,
     ) -> None: ...
-    @overload
-    def process(self, events: _Events, labels: Literal[True] = True) -> NDArray[np.int32]: ...
-    @overload
-    def process(self, events: _Events, labels: Literal[False]) -> None: ...
-    @overload
-    def process(self, events: _Events, labels: bool) -> NDArray[np.int32] | None: ...
     @property
     def tracks(self) -> NDArray[np.void]: ...
 

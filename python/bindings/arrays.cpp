@@ -23,17 +23,17 @@ bool has_mask(const py::array& events) {
 
 }  // namespace
 
+py::dtype aligned_dtype(std::initializer_list<std::pair<const char*, const char*>> fields) {
+  py::list listed;
+  for (const auto& [name, kind] : fields) listed.append(py::make_tuple(name, kind));
+  return py::module_::import("numpy").attr("dtype")(listed, py::arg("align") = true);
+}
+
 py::dtype event_dtype() {
   PYBIND11_CONSTINIT static py::gil_safe_call_once_and_store<py::dtype> storage;
   return storage
-      .call_once_and_store_result([]() -> py::dtype {
-        py::list fields;
-        fields.append(py::make_tuple("x", "<u2"));
-        fields.append(py::make_tuple("y", "<u2"));
-        fields.append(py::make_tuple("p", "<i2"));
-        fields.append(py::make_tuple("t", "<i8"));
-        return py::module_::import("numpy").attr("dtype")(fields, py::arg("align") = true);
-      })
+      .call_once_and_store_result(
+          [] { return aligned_dtype({{"x", "<u2"}, {"y", "<u2"}, {"p", "<i2"}, {"t", "<i8"}}); })
       .get_stored();
 }
 

@@ -8,12 +8,14 @@
 
 #include <pybind11/numpy.h>
 
+#include <initializer_list>
 #include <memory>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include "asap/core/event.hpp"
+#include "gil.hpp"
 
 namespace asap::python {
 
@@ -22,6 +24,9 @@ namespace py = pybind11;
 // asap.EVENT_DTYPE: {x <u2, y <u2, p <i2, t <i8}, offsets 0 2 4 8, 16 bytes, aligned. (Without the
 // aligned flag, which py::dtype::of<> lacks, np.concatenate would pack it to 14 bytes.)
 py::dtype event_dtype();
+
+// An aligned dtype of these fields, by name and kind.
+py::dtype aligned_dtype(std::initializer_list<std::pair<const char*, const char*>> fields);
 
 // The remedy where something else is given.
 constexpr const char* kGiveEvents =
@@ -36,6 +41,15 @@ std::span<Event> as_writable_span(const py::array& out);
 
 // A read-only array over memory that `owner` keeps alive.
 py::array view_of(EventSpan events, py::handle owner);
+
+// T::feed with an array of events, without the GIL: it may block, and a Python algorithm takes it
+// back for its packages.
+template <class T>
+auto feed_unheld(T& self, const py::array& events) {
+  const EventSpan span = as_span(events);
+  const WithoutGil release;
+  return self.feed(span);
+}
 
 // An array that owns the vector's memory.
 template <class Value>

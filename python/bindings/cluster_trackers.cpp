@@ -141,20 +141,9 @@ py::array to_objects(const ClusterTracker& tracker, const py::array& labels) {
 template <class Tracker>
 void bind_clusters(Class<Tracker>& type, const char* clusters, const char* clusters_at,
                    const char* outline) {
-  bind_labelled(type, R"(Takes the next events of the stream.
-
-$events
-labels : bool
-    False: no array is made.
-
-Returns
--------
-ndarray of int32, shape (n,), or None
+  bind_labelled(type, R"(ndarray of int32, shape (n,), or None
     The id of the cluster that took each event. -1: noise, a cluster that has no id yet, or outside the
-    frame.
-
-$not_events
-)");
+    frame.)");
   type.def_property_readonly(
           "clusters", [](const Tracker& self) { return moved_to_array(self.clusters()); }, clusters)
       .def(
@@ -331,16 +320,12 @@ id : int
 
 $outline
 )");
-  bind_rest(type, "published_clusters",
-            sized<Config>({keyword("window", &Config::window), keyword("radius", &Config::radius),
-                           keyword("probes", &Config::probes), keyword("weight", &Config::weight),
-                           keyword("min_size", &Config::min_size), keyword("seed", &Config::seed)}),
-            R"(Tells the fraction of the events that reaches the tracker, 0 <= gamma <= 1.
-
-Checked, without effect: the window counts events, so it stretches in time by itself.
-
-$not_gamma
-)");
+  bind_rest(
+      type, "published_clusters",
+      sized<Config>({keyword("window", &Config::window), keyword("radius", &Config::radius),
+                     keyword("probes", &Config::probes), keyword("weight", &Config::weight),
+                     keyword("min_size", &Config::min_size), keyword("seed", &Config::seed)}),
+      "Checked, without effect: the window counts events, so it stretches in time by itself.");
 }
 
 void bind(py::module_& m) {

@@ -111,24 +111,10 @@ void bind_detector(py::module_& m, const char* title, const char* doc, const cha
                    std::initializer_list<Keyword<typename Detector::Config>> keywords = {}) {
   Class<Detector> type(m, title, documented(doc).c_str());
   bind_answering<bool, std::uint8_t>(type,
-                                     R"(Takes the next events of the stream.
-
-$events
-
-Returns
--------
-ndarray of bool, shape (n,)
-    True where the event is a corner.
-
-$not_events
-)");
+                                     R"(ndarray of bool, shape (n,)
+    True where the event is a corner.)");
   bind_rest(type, name, sized<typename Detector::Config>(keywords),
-            R"(Tells the fraction of the events that reaches the detector, 0 <= gamma <= 1.
-
-Checked, without effect: the published rule holds no rate that could be corrected.
-
-$not_gamma
-)");
+            "Checked, without effect: the published rule holds no rate that could be corrected.");
 }
 
 void bind(py::module_& m) {

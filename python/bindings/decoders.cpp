@@ -55,13 +55,8 @@ class BytesView {
 py::dtype trigger_dtype() {
   PYBIND11_CONSTINIT static py::gil_safe_call_once_and_store<py::dtype> storage;
   return storage
-      .call_once_and_store_result([]() -> py::dtype {
-        py::list fields;
-        fields.append(py::make_tuple("t", "<i8"));
-        fields.append(py::make_tuple("id", "<u2"));
-        fields.append(py::make_tuple("value", "<u2"));
-        return py::module_::import("numpy").attr("dtype")(fields, py::arg("align") = true);
-      })
+      .call_once_and_store_result(
+          [] { return aligned_dtype({{"t", "<i8"}, {"id", "<u2"}, {"value", "<u2"}}); })
       .get_stored();
 }
 

@@ -106,18 +106,9 @@ void bind(py::module_& m) {
   using Config = EventImageConfig;
   Class<EventImage> type(m, "EventImage", documented(kImageDoc).c_str());
   bind_process(type, &images,
-               R"(Takes the next events of the stream and returns the images that they complete.
-
-$events
-
-Returns
--------
-images : ndarray of float32, shape (k, channels, height, width)
+               R"(images : ndarray of float32, shape (k, channels, height, width)
 spans : ndarray of int64, shape (k, 2)
-    us: begin of each image, and its end, which is the first timestamp beyond.
-
-$not_events
-)");
+    us: begin of each image, and its end, which is the first timestamp beyond.)");
   type.def("flush", &EventImage::flush,
            R"(Completes the image that has begun, which is then `image`.
 
@@ -138,13 +129,8 @@ bool
   bind_rest(type, "event_image",
             sized<Config>({keyword("count", &Config::count), keyword("period_us", &Config::period),
                            channels()}),
-            R"(Tells the fraction of the events that reaches the images, 0 <= gamma <= 1.
-
-Every event then stands for 1 / gamma, at most 1000: images end as often as without a discarder, and hold
-as much on average.
-
-$not_gamma
-)");
+            R"(Every event then stands for 1 / gamma, at most 1000: images end as often as without a
+discarder, and hold as much on average.)");
 }
 
 const AlgorithmBinding binding(&bind);

@@ -58,20 +58,9 @@ void bind(py::module_& m) {
 
   using Config = FeatureConfig;
   Class<FeatureTracker> type(m, "FeatureTracker", documented(kFeatureTrackerDoc).c_str());
-  bind_labelled(type, R"(Takes the next events of the stream.
-
-$events
-labels : bool
-    False: no array is made.
-
-Returns
--------
-ndarray of int32, shape (n,), or None
+  bind_labelled(type, R"(ndarray of int32, shape (n,), or None
     The id of the track that took each event. -1: it is no corner, an unsupported corner, or outside
-    the frame.
-
-$not_events
-)");
+    the frame.)");
   type.def_property_readonly(
       "tracks", [](const FeatureTracker& tracker) { return moved_to_array(tracker.tracks()); },
       R"(Structured array, one row per track, first begun first.
@@ -91,12 +80,7 @@ A new array, not changed by later events.
                            keyword("min_neighbours", &Config::min_neighbours),
                            keyword("window_us", &Config::window_time),
                            keyword("velocity_us", &Config::velocity_window)}),
-            R"(Tells the fraction of the events that reaches the tracker, 0 <= gamma <= 1.
-
-`window_us` stretches, so that as many corner events are remembered.
-
-$not_gamma
-)");
+            "`window_us` stretches, so that as many corner events are remembered.");
 }
 
 const AlgorithmBinding binding(&bind);

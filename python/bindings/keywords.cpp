@@ -48,6 +48,8 @@ Value value_of(const char* name, py::handle given) {
     } catch (const py::cast_error&) {
       throw_wrong_kind(name, given, "give True, False or None");
     }
+  } else if constexpr (std::is_same_v<Value, bool>) {
+    return value_of<std::optional<bool>>(name, given).value_or(false);
   } else if constexpr (std::is_same_v<Value, std::optional<double>>) {
     return given.is_none() ? Value() : real_number(name, given);
   } else if constexpr (std::is_same_v<Value, std::optional<std::chrono::nanoseconds>>) {
@@ -139,6 +141,7 @@ Row row_of(const std::string& name, std::ptrdiff_t offset) {
           }};
 }
 
+template Row row_of<bool>(const std::string&, std::ptrdiff_t);
 template Row row_of<int>(const std::string&, std::ptrdiff_t);
 template Row row_of<double>(const std::string&, std::ptrdiff_t);
 template Row row_of<std::uint64_t>(const std::string&, std::ptrdiff_t);

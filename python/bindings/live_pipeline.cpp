@@ -130,6 +130,13 @@ Pipeline& LivePipeline::native() const {
   return *pipeline_;
 }
 
+template <class Work>
+auto LivePipeline::unheld(Work work) const {
+  Pipeline& pipeline = native();
+  const WithoutGil released;
+  return work(pipeline);
+}
+
 void LivePipeline::require_own_process() const {
   if (forks_ == forks()) return;
   throw std::runtime_error(
@@ -206,9 +213,7 @@ void LivePipeline::run(const py::object& algorithm, const py::object& poll) {
 }
 
 void LivePipeline::flush() {
-  Pipeline& pipeline = native();
-  const WithoutGil released;
-  pipeline.flush();
+  unheld([](Pipeline& pipeline) { pipeline.flush(); });
 }
 
 void LivePipeline::stop(bool drain) {
@@ -235,9 +240,7 @@ void LivePipeline::start() {
 }
 
 void LivePipeline::set_latency(std::chrono::nanoseconds latency) {
-  Pipeline& pipeline = native();
-  const WithoutGil released;
-  pipeline.set_latency(latency);
+  unheld([=](Pipeline& pipeline) { pipeline.set_latency(latency); });
 }
 
 void LivePipeline::upstream_lost(std::uint64_t marks, std::uint64_t packets) {
@@ -245,21 +248,11 @@ void LivePipeline::upstream_lost(std::uint64_t marks, std::uint64_t packets) {
 }
 
 Ledger LivePipeline::ledger() const {
-  const Pipeline& pipeline = native();
-  Ledger ledger;
-  {
-    const WithoutGil released;
-    ledger = pipeline.ledger();
-  }
-  return booked(ledger);
+  return booked(unheld([](const Pipeline& pipeline) { return pipeline.ledger(); }));
 }
 
 PipelineStats LivePipeline::stats() const {
-  const Pipeline& pipeline = native();
-  PipelineStats stats = [&] {
-    const WithoutGil released;
-    return pipeline.stats();
-  }();
+  PipelineStats stats = unheld([](const Pipeline& pipeline) { return pipeline.stats(); });
   stats.ledger = booked(stats.ledger);
   return stats;
 }

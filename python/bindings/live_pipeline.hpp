@@ -42,7 +42,6 @@ class LivePipeline {
   void run(const py::object& algorithm, const py::object& poll);
 
   // As Pipeline's.
-  void complete() { native().complete(); }
   void flush();
   void stop(bool drain);
   void start();
@@ -72,6 +71,8 @@ class LivePipeline {
   class Guest;
 
   Pipeline& native() const;
+  template <class Work>
+  auto unheld(Work work) const;  // without the GIL, on what `native` returns
   void require_own_process() const;
   void look_up() const;     // what a thread that waits must not miss: Ctrl-C, a fork
   void stop_if_deserted();  // at the end of the program

@@ -89,12 +89,7 @@ void bind(py::module_& m) {
             sized<Config>({keyword("window_us", &Config::window),
                            keyword("least_px_s", &Config::least_px_s),
                            keyword("least_share", &Config::least_share)}),
-            R"(Tells the fraction of the events that reaches the algorithm, 0 <= gamma <= 1.
-
-The flow that "known" asks for goes with it.
-
-$not_gamma
-)");
+            R"(The flow that "known" asks for goes with it.)");
 }
 
 const AlgorithmBinding binding(&bind);

@@ -98,14 +98,10 @@ void bind_background_activity_filter(py::module_& m) {
   Class<BackgroundActivityFilter> type(m, "BackgroundActivityFilter",
                                        documented(kBackgroundActivityFilterDoc).c_str());
   bind_passing(type);
-  bind_rest(type, "background", sized<Config>({keyword("window_us", &Config::window)}),
-            R"(Tells the fraction of the events that reaches the filter, 0 <= gamma <= 1.
-
-Neighbours become as rare, so the window grows to window_us / gamma, at most 500 s. Tell nothing, or 1,
-to a filter in front of the discarder.
-
-$not_gamma
-)");
+  bind_rest(
+      type, "background", sized<Config>({keyword("window_us", &Config::window)}),
+      R"(Neighbours become as rare, so the window grows to window_us / gamma, at most 500 s. Tell nothing, or 1,
+to a filter in front of the discarder.)");
 }
 
 void bind_hot_pixel_mask(py::module_& m) {
@@ -135,12 +131,7 @@ TypeError
           "list of (x, y), px: the masked pixels, row by row.");
   bind_rest(type, "hot_pixels",
             sized<Config>({pixels(), keyword("learn_events", &Config::learn_events)}),
-            R"(Tells the fraction of the events that reaches the mask, 0 <= gamma <= 1.
-
-Checked, without effect: a hot pixel's share of all events stays what it is.
-
-$not_gamma
-)");
+            "Checked, without effect: a hot pixel's share of all events stays what it is.");
 }
 
 void bind(py::module_& m) {

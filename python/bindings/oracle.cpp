@@ -29,14 +29,7 @@ execution : {"anytime", "whole"}
                  return Oracle(*cost, latency_us, execution_from(execution));
                }),
            py::arg("cost"), py::arg("latency_us"), py::arg("execution") = "anytime")
-      .def(
-          "feed",
-          [](Oracle& self, const py::array& events) {
-            const EventSpan span = as_span(events);
-            const WithoutGil release;  // pure C++: other Python threads may run
-            self.feed(span);
-          },
-          py::arg("events").noconvert(), "Events in arrival order.")
+      .def("feed", &feed_unheld<Oracle>, py::arg("events").noconvert(), "Events in arrival order.")
       .def_property_readonly("bound", &Oracle::bound,
                              "Of the events so far: how many can be finished in time.");
 }

@@ -28,9 +28,10 @@ void unheld(Work work) {
 }
 
 template <class Process, class... Extra>
-void def_process(const py::object& type, Process process, const char* doc, const Extra&... extra) {
+void def_process(const py::object& type, Process process, const char* returns,
+                 const Extra&... extra) {
   def_method(type, "process", std::move(process), py::arg("events").noconvert(), extra...,
-             documented(doc).c_str());
+             process_doc(returns, sizeof...(extra) > 0).c_str());
 }
 
 }  // namespace
@@ -50,13 +51,6 @@ width, height : int
 ------
 ValueError
     A parameter is out of range; the message names it.)"},
-      {"$events", R"(Parameters
-----------
-events : ndarray of shape (n,) in EVENT_DTYPE)"},
-      {"$not_events", R"(Raises
-------
-TypeError
-    `events` is not a contiguous array in EVENT_DTYPE; convert with asap.as_events.)"},
       {"$outline", R"(Returns
 -------
 numpy.void
@@ -79,18 +73,30 @@ ValueError
   return text;
 }
 
+std::string process_doc(const char* returns, bool has_labels) {
+  std::string text = R"(Takes the next events of the stream.
+
+Parameters
+----------
+events : ndarray of shape (n,) in EVENT_DTYPE
+)";
+  if (has_labels) text += "labels : bool\n    False: no array is made.\n";
+  if (returns != nullptr) text.append("\nReturns\n-------\n").append(returns).append("\n");
+  return text + R"(
+Raises
+------
+TypeError
+    `events` is not a contiguous array in EVENT_DTYPE; convert with asap.as_events.
+)";
+}
+
 void def_taking(const py::object& type, const NativeAlgorithm& calls) {
   const auto process = [calls](const py::object& self, const py::object& events) {
     const EventSpan span = as_span(events);
     const Worker worker(calls.open, self);
     unheld([&] { calls.process(worker.get(), span); });
   };
-  def_process(type, process, R"(Takes the next events of the stream.
-
-$events
-
-$not_events
-)");
+  def_process(type, process, nullptr);
 }
 
 void def_passing(const py::object& type, const NativeAlgorithm& calls) {
@@ -102,21 +108,11 @@ void def_passing(const py::object& type, const NativeAlgorithm& calls) {
     return moved_to_array(std::move(passed));
   };
   def_process(type, process,
-              R"(Takes the next events of the stream and returns those that pass.
-
-$events
-
-Returns
--------
-ndarray of shape (k,) in EVENT_DTYPE
-    A new array.
-
-$not_events
-)");
+              "ndarray of shape (k,) in EVENT_DTYPE\n    Those that pass: a new array.");
 }
 
 void def_labelled(const py::object& type, const NativeAlgorithm& calls, Label label,
-                  const char* doc) {
+                  const char* returns) {
   const auto process = [calls, label](const py::object& self, const py::object& events,
                                       bool labels) -> std::optional<py::array_t<std::int32_t>> {
     const EventSpan span = as_span(events);
@@ -126,11 +122,11 @@ void def_labelled(const py::object& type, const NativeAlgorithm& calls, Label la
     if (!labels) return std::nullopt;
     return moved_to_array(std::move(ids));
   };
-  def_process(type, process, doc, py::arg("labels") = true);
+  def_process(type, process, returns, py::arg("labels") = true);
 }
 
 void def_answering(const py::object& type, Open open, Answer answer, const py::dtype& dtype,
-                   std::size_t columns, const char* doc) {
+                   std::size_t columns, const char* returns) {
   const auto process = [=](const py::object& self, const py::object& events) {
     const EventSpan span = as_span(events);
     std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(span.size())};
@@ -140,11 +136,11 @@ void def_answering(const py::object& type, Open open, Answer answer, const py::d
     unheld([&] { answer(worker.get(), span, values.mutable_data()); });
     return values;
   };
-  def_process(type, process, doc);
+  def_process(type, process, returns);
 }
 
 void def_rest(const py::object& type, const char* name, const NativeAlgorithm& calls,
-              const char* gamma_doc) {
+              const char* gamma) {
   note_native(type, calls);
   type.attr("name") = name;
   def_method(
@@ -156,14 +152,17 @@ void def_rest(const py::object& type, const char* name, const NativeAlgorithm& c
       },
       "Back to the state after construction: the same events, the same "
       "results.");
-  if (gamma_doc != nullptr) {
+  if (gamma != nullptr) {
     def_method(
         type, "set_gamma",
         [calls](const py::object& self, double gamma) {
           const Worker worker(calls.open, self);
           calls.set_gamma(worker.get(), gamma);
         },
-        py::arg("gamma"), documented(gamma_doc).c_str());
+        py::arg("gamma"),
+        documented("Tells the fraction of the events that reaches it, 0 <= gamma <= 1.\n\n" +
+                   std::string(gamma) + "\n\n$not_gamma\n")
+            .c_str());
   }
   def_property(type, "rejected", py::cpp_function([calls](const py::object& self) {
                  const Worker worker(calls.open, self, false);

@@ -24,10 +24,13 @@ namespace py = pybind11;
 // The docstring whose words in $ stand for what all of them say alike.
 std::string documented(const std::string& text);
 
-// process(events), whose docstring the words in $ complete.
+// The docstring of process(events), and of one that has `labels`; `returns` tells what comes back.
+std::string process_doc(const char* returns, bool has_labels = false);
+
+// process(events) of any kind.
 template <class T, class Process>
-void bind_process(Class<T>& type, Process process, const char* doc) {
-  type.def("process", process, py::arg("events").noconvert(), documented(doc).c_str());
+void bind_process(Class<T>& type, Process process, const char* returns) {
+  type.def("process", process, py::arg("events").noconvert(), process_doc(returns).c_str());
 }
 
 // process() that returns None.
@@ -47,31 +50,31 @@ void bind_passing(Class<Algorithm>& type) {
 // process() of a tracker that gives every event an id.
 using Label = void (*)(void*, EventSpan, std::span<std::int32_t>);
 void def_labelled(const py::object& type, const NativeAlgorithm& calls, Label label,
-                  const char* doc);
+                  const char* returns);
 template <class Tracker>
-void bind_labelled(Class<Tracker>& type, const char* doc) {
+void bind_labelled(Class<Tracker>& type, const char* returns) {
   const Label label = [](void* self, EventSpan events, std::span<std::int32_t> ids) {
     static_cast<Tracker*>(self)->process(events, ids);
   };
-  def_labelled(type, native_calls<Tracker>(), label, doc);
+  def_labelled(type, native_calls<Tracker>(), label, returns);
 }
 
 // process() of an algorithm that gives every event a Value, in NumPy `columns` of a dtype.
 using Answer = void (*)(void*, EventSpan, void*);
 void def_answering(const py::object& type, Open open, Answer answer, const py::dtype& dtype,
-                   std::size_t columns, const char* doc);
+                   std::size_t columns, const char* returns);
 template <class Element, class Value, class Algorithm>
-void bind_answering(Class<Algorithm>& type, const char* doc) {
+void bind_answering(Class<Algorithm>& type, const char* returns) {
   const Answer answer = [](void* self, EventSpan events, void* out) {
     static_cast<Algorithm*>(self)->process(events, {static_cast<Value*>(out), events.size()});
   };
   def_answering(type, &inside_of<Algorithm>, answer, py::dtype::of<Element>(),
-                sizeof(Value) / sizeof(Element), doc);
+                sizeof(Value) / sizeof(Element), returns);
 }
 
-// All but process(). `gamma_doc` null: its set_gamma is the caller's.
+// All but process(). `gamma` tells what set_gamma changes; null: its set_gamma is the caller's.
 void def_rest(const py::object& type, const char* name, const NativeAlgorithm& calls,
-              const char* gamma_doc);
+              const char* gamma);
 
 // The values of a surface, shape (height, width).
 template <class Value, class Surface>
@@ -103,9 +106,9 @@ class TiledAlgorithm : public Tiled<A> {
 };
 
 template <class A>
-void bind_tiled(Class<A>& type, const char* name, const Table& keywords, const char* gamma_doc) {
+void bind_tiled(Class<A>& type, const char* name, const Table& keywords, const char* gamma) {
   using T = TiledAlgorithm<A>;
-  constexpr const char* kDoc = "What the algorithm's own process(events) does, on all threads.";
+  constexpr const char* kReturns = "What the algorithm's own process(events) returns.";
   Class<T> tiled(type, "_Tiled", "See asap.Tiled.");
   tiled.attr("__name__") = "Tiled";
   tiled.attr("_of") = py::cast<std::string>(type.attr("__name__")) + ", ";  // for its repr
@@ -115,23 +118,23 @@ void bind_tiled(Class<A>& type, const char* name, const Table& keywords, const c
     bind_taking(tiled);
     tiled.def_property_readonly("surface", &copied<typename A::Value, T>);
   } else if constexpr (std::is_same_v<typename T::Answer, std::uint8_t>) {
-    bind_answering<bool, std::uint8_t>(tiled, kDoc);
+    bind_answering<bool, std::uint8_t>(tiled, kReturns);
   } else {
-    bind_answering<float, typename T::Answer>(tiled, kDoc);
+    bind_answering<float, typename T::Answer>(tiled, kReturns);
   }
   Keywords<TiledArguments<A>> all(keywords.by_position, {});
   all.rows = keywords.rows;
   all.rows.push_back(keyword("threads", &TiledArguments<A>::threads));
   bind_configuration(tiled, all);
-  def_rest(tiled, name, native_calls<T>(), gamma_doc);
+  def_rest(tiled, name, native_calls<T>(), gamma);
 }
 
 template <class Algorithm>
 void bind_rest(Class<Algorithm>& type, const char* name,
-               const Keywords<typename Algorithm::Config>& keywords, const char* gamma_doc) {
+               const Keywords<typename Algorithm::Config>& keywords, const char* gamma) {
   bind_configuration(type, keywords);
-  def_rest(type, name, native_calls<Algorithm>(), gamma_doc);
-  if constexpr (Tileable<Algorithm>) bind_tiled(type, name, keywords, gamma_doc);
+  def_rest(type, name, native_calls<Algorithm>(), gamma);
+  if constexpr (Tileable<Algorithm>) bind_tiled(type, name, keywords, gamma);
 }
 
 }  // namespace asap::python

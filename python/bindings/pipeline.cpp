@@ -13,78 +13,67 @@ namespace asap::python::pipeline {
 namespace {
 
 double us(std::int64_t ns) { return static_cast<double>(ns) * 1e-3; }
+double seconds(std::int64_t ns) { return static_cast<double>(ns) * 1e-9; }
 
 void bind_stats(py::module_& m) {
-  py::class_<PipelineStats>(m, "PipelineStats", "How a pipeline does: a snapshot.")
-      .def_readonly("ledger", &PipelineStats::ledger)
-      .def_property_readonly("latency", [](const PipelineStats& stats) { return stats.latency; })
-      .def_readonly("open", &PipelineStats::open)
-      .def_readonly("stalled", &PipelineStats::stalled)
-      .def_readonly("gap_us", &PipelineStats::gap_us)
-      .def_readonly("max_waiting", &PipelineStats::max_waiting)
-      .def_readonly("clock_resets", &PipelineStats::clock_resets)
-      .def_readonly("upstream_marks", &PipelineStats::upstream_marks)
-      .def_readonly("upstream_packets", &PipelineStats::upstream_packets)
-      .def_property_readonly("rejected",
-                             [](const PipelineStats& stats) { return dict_of(stats.rejected); })
-      .def_property_readonly(
-          "elapsed_s",
-          [](const PipelineStats& stats) { return static_cast<double>(stats.elapsed_ns) * 1e-9; })
-      .def_property_readonly("packages",
-                             [](const PipelineStats& stats) { return stats.packages.count; })
-      .def_property_readonly("to_gamma",
-                             [](const PipelineStats& stats) { return stats.packages.to_gamma; })
-      .def_property_readonly("size", [](const PipelineStats& stats) { return stats.packages.size; })
-      .def_property_readonly("size_max",
-                             [](const PipelineStats& stats) { return stats.packages.size_max; })
-      .def_property_readonly("gamma_min",
-                             [](const PipelineStats& stats) { return stats.packages.gamma_min; })
-      .def_property_readonly("latency_bound_us",
-                             [](const PipelineStats& stats) { return us(stats.latency_bound_ns); })
-      .def_property_readonly("sensor_delay_us",
-                             [](const PipelineStats& stats) { return us(stats.sensor_delay_ns); })
-      .def_property_readonly(
-          "sensor_delay_max_us",
-          [](const PipelineStats& stats) { return us(stats.sensor_delay_max_ns); })
-      .def_property_readonly("busy_s", [](const PipelineStats& stats) {
-        return static_cast<double>(stats.packages.processing_ns) * 1e-9;
-      });
+  py::class_<PipelineStats> type(m, "PipelineStats", "How a pipeline does: a snapshot.");
+  const auto property = [&](const char* name, auto read) {
+    type.def_property_readonly(name, [=](const PipelineStats& stats) { return read(stats); });
+  };
+  property("ledger", [](const auto& stats) { return dict_of(stats.ledger); });
+  property("rejected", [](const auto& stats) { return dict_of(stats.rejected); });
+  property("latency", [](const auto& stats) { return stats.latency; });
+  property("open", [](const auto& stats) { return stats.open; });
+  property("stalled", [](const auto& stats) { return stats.stalled; });
+  property("gap_us", [](const auto& stats) { return stats.gap_us; });
+  property("max_waiting", [](const auto& stats) { return stats.max_waiting; });
+  property("clock_resets", [](const auto& stats) { return stats.clock_resets; });
+  property("upstream_marks", [](const auto& stats) { return stats.upstream_marks; });
+  property("upstream_packets", [](const auto& stats) { return stats.upstream_packets; });
+  property("elapsed_s", [](const auto& stats) { return seconds(stats.elapsed_ns); });
+  property("busy_s", [](const auto& stats) { return seconds(stats.packages.processing_ns); });
+  property("packages", [](const auto& stats) { return stats.packages.count; });
+  property("to_gamma", [](const auto& stats) { return stats.packages.to_gamma; });
+  property("size", [](const auto& stats) { return stats.packages.size; });
+  property("size_max", [](const auto& stats) { return stats.packages.size_max; });
+  property("gamma_min", [](const auto& stats) { return stats.packages.gamma_min; });
+  property("latency_bound_us", [](const auto& stats) { return us(stats.latency_bound_ns); });
+  property("sensor_delay_us", [](const auto& stats) { return us(stats.sensor_delay_ns); });
+  property("sensor_delay_max_us", [](const auto& stats) { return us(stats.sensor_delay_max_ns); });
 }
 
 }  // namespace
 
 void bind(py::module_& m) {
+  const auto part = [](auto Package::* field) {
+    return [=](const LivePackage& self) { return self.package.*field; };
+  };
+  const auto at = [](const LivePackage& self, py::ssize_t place) {
+    return static_cast<const Event*>(self.events.data())[place].t;
+  };
   py::class_<LivePackage>(m, "LivePackage", R"(A package of a pipeline.
 
 Its events are a read-only array in EVENT_DTYPE, valid as long as it is referenced.
 )")
       .def_property_readonly("events", [](const LivePackage& self) { return self.events; })
+      .def_property_readonly("gamma", part(&Package::gamma),
+                             "The share of the events that thinning saw for this package and kept.")
+      .def_property_readonly("index", part(&Package::index), "From 0.")
       .def_property_readonly(
-          "gamma", [](const LivePackage& self) { return self.package.gamma; },
-          "The share of the events that thinning saw for this package and kept.")
-      .def_property_readonly(
-          "index", [](const LivePackage& self) { return self.package.index; }, "From 0.")
-      .def_property_readonly(
-          "t_first",
-          [](const LivePackage& self) { return static_cast<const Event*>(self.events.data())->t; },
+          "t_first", [=](const LivePackage& self) { return at(self, 0); },
           "Timestamp of the oldest event, us.")
       .def_property_readonly(
-          "t_last",
-          [](const LivePackage& self) {
-            return static_cast<const Event*>(self.events.data())[self.events.size() - 1].t;
-          },
+          "t_last", [=](const LivePackage& self) { return at(self, self.events.size() - 1); },
           "Timestamp of the newest event, us.")
       .def_property_readonly(
           "lost_before", [](const LivePackage& self) { return self.package.lost_before(); },
           "Events lost (stale, overflow) since the package before.")
+      .def_property_readonly("stale_before", part(&Package::stale_before),
+                             "Events lost as too old since the package before.")
+      .def_property_readonly("overflow_before", part(&Package::overflow_before),
+                             "Events lost to a full ring since the package before.")
       .def_property_readonly(
-          "stale_before", [](const LivePackage& self) { return self.package.stale_before; },
-          "Events lost as too old since the package before.")
-      .def_property_readonly(
-          "overflow_before", [](const LivePackage& self) { return self.package.overflow_before; },
-          "Events lost to a full ring since the package before.")
-      .def_property_readonly(
-          "filtered", [](const LivePackage& self) { return self.package.filtered; },
+          "filtered", part(&Package::filtered),
           "Of the raw events behind this package, those that the filter in front has dropped.")
       .def("__len__", [](const LivePackage& self) { return self.events.size(); });
 
@@ -105,7 +94,6 @@ Its events are a read-only array in EVENT_DTYPE, valid as long as it is referenc
           py::arg("marks"), py::arg("packets") = 0)
       .def("next", &LivePipeline::next,
            "The next package, with the one before completed; None: stopped.")
-      .def("complete", &LivePipeline::complete, "The package in work is finished.")
       .def("abandon", &LivePipeline::abandon,
            "The package in work is given up and the pipeline stopped.")
       .def("run", &LivePipeline::run, py::arg("algorithm"), py::arg("poll") = py::none(),
@@ -120,7 +108,8 @@ Its events are a read-only array in EVENT_DTYPE, valid as long as it is referenc
           },
           py::arg("latency_ms"))
       .def_property_readonly("is_open", &LivePipeline::is_open)
-      .def_property_readonly("ledger", &LivePipeline::ledger)
+      .def_property_readonly("ledger",
+                             [](const LivePipeline& self) { return dict_of(self.ledger()); })
       .def_property_readonly("packages", &LivePipeline::packages)
       .def("rows", &LivePipeline::rows, py::arg("since"),
            "Rows of the log from this number on; for the consumer, between two packages.")

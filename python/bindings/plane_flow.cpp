@@ -41,28 +41,15 @@ True
 void bind(py::module_& m) {
   using Config = PlaneFlowConfig;
   Class<PlaneFlow> type(m, "PlaneFlow", documented(kFlowDoc).c_str());
-  bind_answering<float, Flow>(type, R"(Takes the next events of the stream.
-
-$events
-
-Returns
--------
-ndarray of float32, shape (n, 2)
+  bind_answering<float, Flow>(type, R"(ndarray of float32, shape (n, 2)
     vx and vy of each event, px/s, x to the right and y down. NaN where there is none: the events around
-    are too few, all on a line, all at once or not one edge, or the event is not the first of its edge.
-
-$not_events
-)");
+    are too few, all on a line, all at once or not one edge, or the event is not the first of its edge.)");
   bind_rest(
       type, "flow",
       sized<Config>({keyword("window_us", &Config::window),
                      keyword("min_points", &Config::min_points), keyword("refit", &Config::refit)}),
-      R"(Tells the fraction of the events that reaches the algorithm, 0 <= gamma <= 1.
-
-Checked, without effect: none is needed, and a longer window would reach back to edges that passed before.
-
-$not_gamma
-)");
+      "Checked, without effect: none is needed, and a longer window would reach back to edges that "
+      "passed before.");
 }
 
 const AlgorithmBinding binding(&bind);

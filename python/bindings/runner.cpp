@@ -48,7 +48,9 @@ py::object kept_arrays(const Runner& runner) {
 
 template <class Runner, class Class>
 void bind_results(Class& cls) {
-  cls.def_property_readonly("ledger", &Runner::ledger, "Where every event went.")
+  cls.def_property_readonly(
+         "ledger", [](const Runner& runner) { return dict_of(runner.ledger()); },
+         "Where every event went, in events.")
       .def_property_readonly(
           "validator", [](const Runner& runner) { return runner.validator(); },
           "What was rejected or repaired at the door.")
@@ -135,13 +137,40 @@ SimulatedCost cost_of(const py::object& cost) {
   };
 }
 
-WhenFull when_full_from(const std::string& name) {
-  if (name == "thin") return WhenFull::thin;
-  if (name == "keep_oldest") return WhenFull::keep_oldest;
-  if (name == "keep_newest") return WhenFull::keep_newest;
-  if (name == "block") return WhenFull::block;
-  throw_bad_value("when_full", "'" + name + "'",
-                  "use 'thin', 'keep_oldest', 'keep_newest' or 'block'");
+constexpr Choices<Execution, 2> kExecutions{
+    {{"anytime", Execution::anytime}, {"whole", Execution::whole}}};
+constexpr Choices<WhenFull, 4> kWhenFull{{{"thin", WhenFull::thin},
+                                          {"keep_oldest", WhenFull::keep_oldest},
+                                          {"keep_newest", WhenFull::keep_newest},
+                                          {"block", WhenFull::block}}};
+
+// What Python gives as an object and never reads back.
+template <class Take>
+Keyword<RunConfig> taken(const char* name, Take take) {
+  return keyword<RunConfig>(
+      name,
+      [=](RunConfig& config, py::handle given) {
+        take(config, py::reinterpret_borrow<py::object>(given));
+      },
+      [](const RunConfig&) { return py::none(); });
+}
+
+Keywords<RunConfig> run_keywords() {
+  using Config = RunConfig;
+  return {0,
+          {keyword("latency_ms", &Config::latency), keyword("capacity", &Config::capacity),
+           keyword("seed", &Config::seed),
+           taken("validator",
+                 [](Config& config, const py::object& given) {
+                   config.validator = given.cast<const Validator&>().config();
+                 }),
+           keyword("execution", &Config::execution, kExecutions), keyword("flush", &Config::flush),
+           taken("before",
+                 [](Config& config, const py::object& given) {
+                   config.front_filter = front_filter_of(given);
+                 }),
+           keyword("when_full", &Config::when_full, kWhenFull),
+           keyword("keep_mask", &Config::keep_mask), keyword("log_rows", &Config::log_rows)}};
 }
 
 // Ends a thread that replays while the interpreter exits, without a word.
@@ -218,9 +247,6 @@ ValueError
       });
 }
 
-// Rows of 96 bytes; a page of them is only taken when it is written.
-constexpr std::size_t kLongLog = std::size_t{1} << 20;
-
 }  // namespace
 
 void bind(py::module_& m) {
@@ -237,39 +263,19 @@ void bind(py::module_& m) {
       },
       py::arg("latency_ms"), "The latency bound to the ns; ValueError for one out of range.");
 
-  py::class_<RunConfig>(m, "RunConfig", "What the runners have in common.")
-      .def(py::init([](const py::object& latency_ms, const py::object& capacity,
-                       const py::object& seed, const Validator& validator,
-                       const std::string& execution, bool flush, const py::object& before,
-                       const std::string& when_full, bool keep_mask, bool long_log) {
-             return RunConfig{.latency = latency_ms.is_none()
-                                             ? std::nullopt
-                                             : std::optional(time_of_ms("latency_ms", latency_ms)),
-                              .capacity = whole_number("capacity", capacity),
-                              .seed = whole_number("seed", seed),
-                              .validator = validator.config(),
-                              .execution = execution_from(execution),
-                              .flush = flush,
-                              .front_filter = front_filter_of(before),
-                              .when_full = when_full_from(when_full),
-                              .keep_mask = keep_mask,
-                              .log_rows = long_log ? kLongLog : RunConfig{}.log_rows};
-           }),
-           py::kw_only(), py::arg("latency_ms"), py::arg("capacity"), py::arg("seed"),
-           py::arg("validator"), py::arg("execution") = "anytime", py::arg("flush") = true,
-           py::arg("before") = py::none(), py::arg("when_full") = "thin",
-           py::arg("keep_mask") = false, py::arg("long_log") = false)
+  Class<RunConfig> config(m, "RunConfig", "What the runners have in common.");
+  bind_constructor(config, run_keywords());
+  config
       .def(
           "latency_bound_us",
-          [](const RunConfig& config, const Held<Scheme>& scheme) {
-            return static_cast<double>(latency_bound_ns(config, *scheme)) * 1e-3;
+          [](const RunConfig& one, const Held<Scheme>& scheme) {
+            return static_cast<double>(latency_bound_ns(one, *scheme)) * 1e-3;
           },
           py::arg("scheme"), "The latency bound in force, us.")
-      .def_readonly("seed", &RunConfig::seed)
-      .def_readonly("keep_mask", &RunConfig::keep_mask)
-      .def_property_readonly("execution", [](const RunConfig& config) {
-        return config.execution == Execution::anytime ? "anytime" : "whole";
-      });
+      .def_property_readonly("seed", [](const RunConfig& one) { return one.seed; })
+      .def_property_readonly("keep_mask", [](const RunConfig& one) { return one.keep_mask; })
+      .def_property_readonly(
+          "execution", [](const RunConfig& one) { return name_in(kExecutions, one.execution); });
 
   auto simulator =
       py::class_<Simulator>(m, "Simulator", "A run in virtual time, fed chunk by chunk.");
@@ -282,14 +288,8 @@ void bind(py::module_& m) {
            }),
            py::arg("scheme"), py::arg("cost"), py::arg("config"), py::arg("algorithm") = py::none(),
            py::arg("speed") = 1.0, py::keep_alive<1, 2>(), py::keep_alive<1, 5>())
-      .def(
-          "feed",
-          [](Simulator& self, const py::array& events) {
-            const EventSpan span = as_span(events);
-            const WithoutGil release;  // a Python algorithm takes it back per package
-            self.feed(span);
-          },
-          py::arg("events").noconvert(), "Events in arrival order; runs as far as they allow.")
+      .def("feed", &feed_unheld<Simulator>, py::arg("events").noconvert(),
+           "Events in arrival order; runs as far as they allow.")
       .def(
           "finish",
           [](Simulator& self) {
@@ -299,23 +299,13 @@ void bind(py::module_& m) {
           "No event follows: what waits is delivered.")
       .def_property_readonly(
           "slots", [](const Simulator& self) { return rows_of(self.slots()); },
-          "One row per 1 ms of timestamps that holds an event, in SLOT_DTYPE: a read-only copy.")
-      .def_property_readonly(
-          "busy_us",
-          [](const Simulator& self) { return static_cast<double>(self.busy_ns()) * 1e-3; },
-          "Time during which the algorithm worked, us.");
+          "One row per 1 ms of timestamps that holds an event, in SLOT_DTYPE: a read-only copy.");
   bind_results<Simulator>(simulator);
 
   py::class_<ReadAhead>(m, "ReadAhead", "Decouples the paced producer from the reader of a source.")
       .def(py::init<>())
-      .def(
-          "feed",
-          [](ReadAhead& self, const py::array& events) {
-            const EventSpan span = as_span(events);
-            const WithoutGil release;  // blocks while all blocks are full
-            return self.feed(span);
-          },
-          py::arg("events").noconvert(), "Blocks while full; False: cancelled, stop reading.")
+      .def("feed", &feed_unheld<ReadAhead>, py::arg("events").noconvert(),
+           "Blocks while full; False: cancelled, stop reading.")
       .def("finish", &ReadAhead::finish, "No feed follows.")
       .def("cancel", &ReadAhead::cancel, "Feeds and the producer stop waiting.");
 

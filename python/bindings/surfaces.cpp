@@ -63,12 +63,8 @@ void bind_surface(py::module_& m, const char* title, const char* doc, const char
   bind_taking(type);
   type.def_property_readonly("surface", &copied<typename Surface::Value, Surface>, surface_doc);
   bind_rest(type, name, sized<typename Surface::Config>({keyword}),
-            R"(Tells the fraction of the events that reaches the surface, 0 <= gamma <= 1.
-
-Checked, without effect: the published rule ages by the events around and holds no rate to correct.
-
-$not_gamma
-)");
+            "Checked, without effect: the published rule ages by the events around and holds no "
+            "rate to correct.");
 }
 
 void bind(py::module_& m) {

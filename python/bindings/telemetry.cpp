@@ -33,6 +33,19 @@ LatencyHistogram restored(const HistogramState& state) {
 
 namespace asap::python {
 
+py::dict dict_of(const Ledger& ledger) {
+  py::dict counts;
+  counts["received"] = ledger.received;
+  counts["rejected"] = ledger.rejected;
+  counts["filtered"] = ledger.filtered;
+  counts["discarded"] = ledger.discarded;
+  counts["stale"] = ledger.stale;
+  counts["overflow"] = ledger.overflow;
+  counts["delivered"] = ledger.delivered;
+  counts["pending"] = ledger.pending;
+  return counts;
+}
+
 py::array_t<PackageRow> rows_of(const RunLog& log, std::size_t since) {
   const std::size_t first = std::clamp(since, log.first(), log.size());
   py::array_t<PackageRow> rows(static_cast<py::ssize_t>(log.size() - first));
@@ -100,34 +113,6 @@ ValueError
         return py::make_tuple(py::type::of<LatencyHistogram>(),
                               py::make_tuple(self.attr("state")()));
       });
-
-  py::class_<Ledger>(m, "Ledger", R"(Where every event went, in events.
-
-received = rejected + filtered + discarded + stale + overflow + delivered + pending
-)")
-      .def(py::init([](const py::object& received, const py::object& rejected,
-                       const py::object& filtered, const py::object& discarded,
-                       const py::object& stale, const py::object& overflow,
-                       const py::object& delivered, const py::object& pending) {
-             return Ledger{
-                 whole_number("received", received),   whole_number("rejected", rejected),
-                 whole_number("filtered", filtered),   whole_number("discarded", discarded),
-                 whole_number("stale", stale),         whole_number("overflow", overflow),
-                 whole_number("delivered", delivered), whole_number("pending", pending)};
-           }),
-           py::kw_only(), py::arg("received") = 0, py::arg("rejected") = 0, py::arg("filtered") = 0,
-           py::arg("discarded") = 0, py::arg("stale") = 0, py::arg("overflow") = 0,
-           py::arg("delivered") = 0, py::arg("pending") = 0)
-      .def_readonly("received", &Ledger::received, "Events handed to asap.")
-      .def_readonly("rejected", &Ledger::rejected, "Bad data.")
-      .def_readonly("filtered", &Ledger::filtered, "Taken out by a filter in front of gamma.")
-      .def_readonly("discarded", &Ledger::discarded, "Taken out by gamma: a choice.")
-      .def_readonly("stale", &Ledger::stale, "Thrown away as too old.")
-      .def_readonly("overflow", &Ledger::overflow, "Did not fit into the ring: a failure.")
-      .def_readonly("delivered", &Ledger::delivered, "Processed by the algorithm.")
-      .def_readonly("pending", &Ledger::pending, "Waiting, or in a package not finished.")
-      .def_property_readonly("balanced", &Ledger::balanced, "received = the sum of the others.")
-      .def("__eq__", [](const Ledger& a, const Ledger& b) { return a == b; });
 }
 
 }  // namespace asap::python::telemetry

@@ -22,6 +22,9 @@ struct SlotRow {
   double latency_max_us;
 };
 
+// Where every event went, in events.
+py::dict dict_of(const Ledger& ledger);
+
 // A copy in PACKAGE_DTYPE, one row per package, of those that are kept from number `since` on.
 py::array_t<PackageRow> rows_of(const RunLog& log, std::size_t since = 0);
 // A copy in SLOT_DTYPE, one row per slot.

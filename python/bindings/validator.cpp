@@ -99,8 +99,7 @@ void bind(py::module_& m) {
                              [](const Validator& self) { return dict_of(self.rejected()); })
       .def_property_readonly("repaired", &repaired)
       .def_property_readonly("last_us", &Validator::last_us)
-      .def_property_readonly("clock_resets", &Validator::clock_resets)
-      .def_property_readonly("clock_offset_us", &Validator::clock_offset_us);
+      .def_property_readonly("clock_resets", &Validator::clock_resets);
 }
 
 }  // namespace asap::python::validator

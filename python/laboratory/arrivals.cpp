@@ -5,6 +5,7 @@
 #include "arguments.hpp"
 #include "arrays.hpp"
 #include "asap/synthetic/streams.hpp"
+#include "held.hpp"
 #include "parts.hpp"
 
 namespace asap::python {
@@ -22,8 +23,8 @@ void feed(PoissonArrivals& arrivals, const py::array& rates_hz) {
 }  // namespace
 
 void bind_arrivals(py::module_& m) {
-  py::class_<PoissonArrivals, EventStream>(m, "PoissonArrivals",
-                                           "Ends where its rates end; feed() makes it go on.")
+  Class<PoissonArrivals, EventStream>(m, "PoissonArrivals",
+                                      "Ends where its rates end; feed() makes it go on.")
       .def(py::init([](std::int32_t width, std::int32_t height, std::int64_t duration_us,
                        std::int64_t t0_us, double noise, const py::object& seed) {
              return PoissonArrivals({.width = width,

@@ -14,7 +14,7 @@ from asap.results import Ledger, Run
 class CameraRun(Pipeline):
     """A pipeline for one run of a camera, of `duration_s` at most."""
 
-    _long_log = True
+    _log_rows = 1 << 20  # of 96 bytes; a page of them is only taken when it is written
 
     def __init__(self, algorithm: Any, camera: Any, duration_s: float | None, **options: Any):
         if duration_s is not None:
@@ -47,7 +47,7 @@ class CameraRun(Pipeline):
 
     def _outcome(self, held_s: float | None) -> Run:
         stats = self._native.stats()
-        ledger = Ledger.of(stats.ledger)
+        ledger = Ledger(**stats.ledger)
         return Run(
             packages=self._native.packages,
             ledger=ledger,

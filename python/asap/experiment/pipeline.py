@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Iterator
-from types import TracebackType
 from typing import Any
 
 import numpy as np
@@ -17,7 +16,7 @@ from asap.experiment.runners import as_scheme, execution_of, make_config
 from asap.experiment.telemetry import Log, TelemetryFile
 from asap.results import Ledger, Named
 from asap.results.result import SCHEMA_VERSION
-from asap.results.run import latency_us
+from asap.results.run import latency_us, package_figures
 
 _CHUNK = 1 << 16  # events pushed without another thread's turn
 
@@ -88,8 +87,8 @@ class Pipeline:
             pipeline.run()
     """
 
-    # `asap.run` of a camera keeps a long log, and may limit the time.
-    _long_log = False
+    # `asap.run` of a camera keeps a longer log, and may limit the time.
+    _log_rows = 1 << 14
     _duration_s: float | None = None
 
     def __init__(
@@ -141,7 +140,7 @@ class Pipeline:
             when_full=when_full,
             reorder_tolerance_us=reorder_tolerance_us,
             warmup_discard_us=warmup_discard_us,
-            long_log=self._long_log,
+            log_rows=self._log_rows,
         )
         self._counts_bad = on_bad != "raise"
         self._native = _core.LivePipeline(self.scheme, self._config)
@@ -347,7 +346,7 @@ class Pipeline:
     @property
     def ledger(self) -> Ledger:
         """Where every event went; at any time."""
-        return Ledger.of(self._native.ledger)
+        return Ledger(**self._native.ledger)
 
     @property
     def packages(self) -> NDArray[np.void]:
@@ -369,8 +368,7 @@ class Pipeline:
         if it has them.
         """
         stats = self._native.stats()
-        ledger = Ledger.of(stats.ledger)
-        latency, elapsed_s = stats.latency, stats.elapsed_s
+        ledger, latency, elapsed_s = stats.ledger, stats.latency, stats.elapsed_s
         received = ledger["received"]
         return {
             "schema_version": SCHEMA_VERSION,
@@ -390,7 +388,7 @@ class Pipeline:
             "latency_bound_us": stats.latency_bound_us,
             "execution": self._config.execution,
             "seed": self._config.seed,
-            "ledger": dict(ledger),
+            "ledger": ledger,
             "rejected": stats.rejected,
             "clock_resets": stats.clock_resets,
             "upstream_lost": {"marks": stats.upstream_marks, "packets": stats.upstream_packets},
@@ -401,16 +399,14 @@ class Pipeline:
             "in_time": latency.within_bound / received if received else None,
             "latency_us": latency_us(latency),
             "gap_us": stats.gap_us,
-            "packages": {
-                "count": stats.packages,
-                "per_s": stats.packages / elapsed_s if elapsed_s > 0 else 0.0,
-                "size_mean": stats.size / stats.packages if stats.packages else 0.0,
-                "size_max": stats.size_max,
-            },
-            "gamma": {
-                "mean": stats.size / stats.to_gamma if stats.to_gamma else 1.0,
-                "min": stats.gamma_min,
-            },
+            **package_figures(
+                stats.packages,
+                elapsed_s,
+                stats.size,
+                stats.size_max,
+                stats.to_gamma,
+                stats.gamma_min,
+            ),
             "cpu": stats.busy_s / elapsed_s if elapsed_s > 0 else 0.0,
             "version": _core.__version__,
             **({} if self._camera is None else {"camera": self._camera.stats()}),
@@ -425,12 +421,7 @@ class Pipeline:
             self._is_fed = True
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         """Stop; what was not delivered stays pending in the ledger."""
         if self._camera is not None:
             self._camera._release()  # first: the packet in its hand is counted

@@ -133,7 +133,7 @@ def simulate(
             for begin in range(0, events.size, _CHUNK):
                 simulator.feed(events[begin : begin + _CHUNK])
             if on_progress is not None:
-                on_progress(stream.events, stream.total_hint, dict(Ledger.of(simulator.ledger)))
+                on_progress(stream.events, stream.total_hint, simulator.ledger)
         simulator.finish()
     finally:
         shown = algorithm if algorithm is not None else cost
@@ -249,7 +249,7 @@ def run(
 
     def poll() -> None:
         if on_progress is not None:
-            counts = dict(Ledger.of(replay.ledger))
+            counts = replay.ledger
             on_progress(counts["received"] - counts["pending"], stream.total_hint, counts)
 
     held_s = thread_held_s()
@@ -357,7 +357,7 @@ def make_config(
     when_full: str = "thin",
     reorder_tolerance_us: int = 0,
     warmup_discard_us: int = 0,
-    long_log: bool = False,
+    log_rows: int = 1 << 14,
 ) -> _core.RunConfig:
     """Check what the runners have in common, and put it together for the native ones."""
     slots = _whole("capacity", capacity)
@@ -382,7 +382,7 @@ def make_config(
         before=before,
         when_full=when_full,
         keep_mask=keep_mask,
-        long_log=long_log,
+        log_rows=log_rows,
     )
 
 
@@ -416,7 +416,7 @@ def remember(
 ) -> Run:
     """Make the Run of what there is, however the runner ended, and keep it for last_run()."""
     rejected = dict(runner.validator.rejected)
-    counts = dict(Ledger.of(runner.ledger))
+    counts = runner.ledger
     for (
         reason,
         count,

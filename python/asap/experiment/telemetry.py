@@ -99,7 +99,7 @@ class Log:
         rows = as_rows(log, stats.latency_bound_us)
         share = np.arange(1, len(rows) + 1) / len(rows)
         for name in _ENDS:
-            before, now_is = self._ledger[name], getattr(stats.ledger, name)
+            before, now_is = self._ledger[name], stats.ledger[name]
             rows[f"all_{name}"] = before + (now_is - before) * share
             rows["all_received"] += rows[f"all_{name}"]
             self._ledger[name] = now_is

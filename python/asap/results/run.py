@@ -47,11 +47,6 @@ class Ledger(Mapping[str, int]):
     delivered: int = 0
     pending: int = 0
 
-    @classmethod
-    def of(cls, native: _core.Ledger) -> Ledger:
-        """Make it of the extension's."""
-        return cls(**{name: getattr(native, name) for name in LEDGER_FIELDS})
-
     def __getitem__(self, name: str) -> int:
         if name not in LEDGER_FIELDS:
             raise KeyError(name)
@@ -237,23 +232,18 @@ class Run(Result):
     def _sum_up_log(self) -> dict[str, Any]:
         """Return what of the summary comes from the packages."""
         packages = self.packages
-        wall_s = self.source["duration_s"] / self.speed
-        count = int(packages.size)
-        thinned = _thinned(packages)
-        cost = fit(self.packages, self.learned, self.execution)
+        cost = fit(packages, self.learned, self.execution)
         return {
             "bound_needed_us": bound_needed_us(cost, self.latency_bound_us, self.latency.max),
             "estimated_cost": cost,
-            "packages": {
-                "count": count,
-                "per_s": count / wall_s if wall_s > 0 else 0.0,
-                "size_mean": float(packages["size"].mean()) if count else 0.0,
-                "size_max": int(packages["size"].max()) if count else 0,
-            },
-            "gamma": {
-                "mean": int(packages["size"].sum()) / thinned if thinned else 1.0,
-                "min": float(packages["gamma"].min()) if count else 1.0,
-            },
+            **package_figures(
+                int(packages.size),
+                self.source["duration_s"] / self.speed,
+                int(packages["size"].sum()),
+                int(packages["size"].max(initial=0)),
+                _thinned(packages),
+                float(packages["gamma"].min(initial=1.0)),
+            ),
             "cpu": _busy_share(packages, self.speed),
         }
 
@@ -298,16 +288,10 @@ class Run(Result):
     def _repr_html_(self) -> str:
         from asap.results.diagnosis import verdict
 
-        summary, received = self.summary(), self.ledger.received
-        reasons = _units.reasons(self.rejected)
+        summary, reasons = self.summary(), _units.reasons(self.rejected)
         ledger = [
-            (
-                cause,
-                _units.count(self.ledger[cause]),
-                _share_of(self.ledger[cause], received),
-                f"{words}: {reasons}" if cause == "rejected" and reasons else words,
-            )
-            for cause, words in LEDGER_WORDS.items()
+            (*cells, f"{words}: {reasons}" if cells[0] == "rejected" and reasons else words)
+            for *cells, words in _ledger_rows(self.ledger)
         ]
         return (
             html.heading(run_title(summary), run_subtitle(summary))
@@ -362,6 +346,21 @@ def latency_us(histogram: _core.LatencyHistogram) -> dict[str, float]:
         "p50": histogram.quantile(0.5),
         "p99": histogram.quantile(0.99),
         "max": histogram.max,
+    }
+
+
+def package_figures(
+    count: int, elapsed_s: float, size: int, size_max: int, thinned: int, gamma_min: float
+) -> dict[str, Any]:
+    """Sum packages up: how many, their events, and what came to gamma and was kept."""
+    return {
+        "packages": {
+            "count": count,
+            "per_s": count / elapsed_s if elapsed_s > 0 else 0.0,
+            "size_mean": size / count if count else 0.0,
+            "size_max": size_max,
+        },
+        "gamma": {"mean": size / thinned if thinned else 1.0, "min": gamma_min},
     }
 
 
@@ -445,18 +444,24 @@ def _run_gap(gap_us: int | None) -> str:
     return f"{_units.duration(gap_us)} at most without a processed event while events came"
 
 
+def _ledger_rows(ledger: Mapping[str, int]) -> list[tuple[str, str, str, str]]:
+    """Write where every event went: cause, events, share of all and what it means."""
+    received = ledger["received"]
+    return [
+        (name, _units.count(n), _units.share(n / received) if n and received else "", words)
+        for name, words in LEDGER_WORDS.items()
+        for n in (ledger[name],)
+    ]
+
+
 def format_ledger(ledger: Mapping[str, int], rejected: Mapping[str, int] | None = None) -> str:
     """Write where every event went, one line for each cause; rejected events by reason."""
-    width = max(len(_units.count(value)) for value in ledger.values())
-    received, lines = ledger["received"], []
-    for name, words in LEDGER_WORDS.items():
-        share = _units.share(ledger[name] / received) if ledger[name] and received else ""
-        number = f"{_units.count(ledger[name]):>{width}}"
-        lines.append(f"  {name:<11}{number}  {share:>8}  {words}")
-        if name == "rejected" and (reasons := _units.reasons(rejected or {})):
-            lines.append(f"{'':<13}{reasons}")
-    missing = 2 * received - sum(ledger.values())
-    if missing:
+    rows = _ledger_rows(ledger)
+    width = max(len(count) for _, count, _, _ in rows)
+    lines = [f"  {name:<11}{n:>{width}}  {share:>8}  {words}" for name, n, share, words in rows]
+    if reasons := _units.reasons(rejected or {}):
+        lines.insert([*LEDGER_WORDS].index("rejected") + 1, f"{'':<13}{reasons}")
+    if missing := 2 * ledger["received"] - sum(ledger.values()):
         lines.append(f"  NOT BALANCED: {_units.count(missing)} events are unaccounted for")
     return "\n".join(lines)
 
@@ -500,7 +505,3 @@ def parameter_value(parameter: Any) -> str:
     if isinstance(parameter, (int, float)) and parameter == round(parameter):
         return _units.count(parameter)
     return f"{parameter:g}" if isinstance(parameter, float) else str(parameter)
-
-
-def _share_of(count: int, received: int) -> str:
-    return _units.share(count / received) if count and received else ""
