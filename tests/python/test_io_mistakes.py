@@ -113,13 +113,13 @@ def test_most_events_are_bad(tmp_path: Path) -> None:
     good = int((EVENTS["x"] < 3).sum())
     assert 0 < good < len(EVENTS) / 2
     rec = asap.read(tmp_path / "a.npy", width=3)
-    assert rec.doubt is None
+    assert rec._doubt is None
     assert sum(map(len, rec)) == good
     words = f"only {good} of its 3,000 events are good ({3000 - good:,} out_of_bounds); check "
-    assert words in str(rec.doubt)
+    assert words in str(rec._doubt)
     rec = asap.read(tmp_path / "a.npy", width=corrupt.WIDTH - 20)
     assert len(EVENTS) / 2 < sum(map(len, rec)) < len(EVENTS)
-    assert rec.doubt is None
+    assert rec._doubt is None
 
 
 # ---- the wrong path -------------------------------------------------------------------------

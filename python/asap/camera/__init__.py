@@ -308,7 +308,7 @@ class Camera:
             _count_feeds(-1)
             pipeline.stop()  # what waits is delivered, then its loop ends
 
-    def run(self, on_progress: Any, **options: Any) -> Run:
+    def _run(self, on_progress: Any, **options: Any) -> Run:
         """Run for `asap.run`, which says what the arguments are."""
         self._check_free("run")
         return CameraRun(camera=self, **options).run_camera(on_progress)

@@ -209,6 +209,5 @@ def say(message: str) -> None:
 
 def tell_doubt(recording: Any) -> None:
     """Warn where fewer than half of the events were good."""
-    doubt = getattr(recording, "doubt", None)
-    if doubt is not None:
+    if (doubt := recording._doubt) is not None:
         say(f"warning: {doubt}")

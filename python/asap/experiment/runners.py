@@ -221,7 +221,7 @@ def run(
         if speed != 1.0 or keep_mask or start is not None or stop is not None:
             words = "speed, keep_mask, start, stop: only for recordings"
             raise ValueError(f"{words}; leave them out for a camera")
-        run_of_camera: Run = source.run(
+        run_of_camera: Run = source._run(
             on_progress,
             duration_s=duration_s,
             algorithm=algorithm,

@@ -80,7 +80,7 @@ class RawSource:
     def _recorded(self) -> Iterator[Events]:
         try:
             if self.recording is not None:
-                yield from self.recording.raw()
+                yield from self.recording._raw()
         except CutFile as cut:
             self.losses.cut = cut
 

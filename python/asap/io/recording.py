@@ -146,12 +146,7 @@ class Recording:
         return self._losses.lost_packets
 
     @property
-    def guessed_unit(self) -> str | None:
-        """Unit of the times in the latest iteration, where neither file nor user states it."""
-        return self._losses.guessed_unit
-
-    @property
-    def doubt(self) -> str | None:
+    def _doubt(self) -> str | None:
         """Why most events of the latest iteration were bad, and what may help; None if not."""
         good = self.received - sum(self.rejected.values())
         if good >= self.received / 2:
@@ -297,7 +292,7 @@ class Recording:
         if losses.cut is not None and validator.received == 0:
             raise losses.cut
         if self.received and count == 0:
-            raise NoGoodEvent(self.doubt)
+            raise NoGoodEvent(self._doubt)
         span_us = validator.last_us - int(head[0])
         if doubt := unit_doubt(losses.guessed_unit, count, span_us, np.diff(head)):
             warnings.warn(f"{self._path}: {'; '.join(doubt)}", stacklevel=2)
@@ -312,7 +307,7 @@ class Recording:
             return sorted_within(chunks, tolerance_us, losses.count_sorted)
         return chunks
 
-    def raw(self) -> Iterator[Events]:
+    def _raw(self) -> Iterator[Events]:
         """Read it once without the checks: what the file holds, in its own order.
 
         Yields
