@@ -2,12 +2,11 @@
 
 NumPy's ``astype`` and pybind11's default cast copy structured arrays by *position*: a source that
 stores ``t`` first comes out scrambled, without an error. Nothing here does that. A source is
-recognised and its columns found in `_columns`, checked and packed in `_values`.
+recognised and its columns found in `columns`, checked and packed in `values`.
 """
 
 from __future__ import annotations
 
-import warnings
 from typing import Any
 
 import numpy as np
@@ -19,9 +18,8 @@ from asap.events.values import (
     EVENT_DTYPE,
     Events,
     Misfit,
-    are_thousands,
     check_polarity,
-    doubt_of_unit,
+    check_unit,
     is_event_memory,
     pack,
     plain_view,
@@ -112,19 +110,7 @@ def as_events(
             "asap.EVENT_DTYPE with polarity 0 or 1, or leave copy out"
         )
     if time_unit is None and not is_ours:
-        t = columns["t"]
-        if t.dtype.kind == "f":
-            raise ValueError(
-                f"time_unit = None: t is {t.dtype}; floating times need their unit, give "
-                "asap.as_events(..., time_unit='s')"
-            )
-        if are_thousands(t):
-            raise ValueError(
-                "time_unit = None: t are whole multiples of 1000; give "
-                "asap.as_events(..., time_unit='us') or time_unit='ns'"
-            )
-        if doubt := doubt_of_unit(t):
-            warnings.warn(f"t: {doubt} to asap.as_events", stacklevel=2)
+        check_unit(columns["t"])
     if "p" in columns:
         check_polarity(columns["p"], is_ours)
     events = pack(columns, exponent)

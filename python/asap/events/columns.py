@@ -1,6 +1,6 @@
 """Recognise a source of events and find its four columns, by name wherever it has names.
 
-The first two of three steps; `_values` checks the columns and makes events of them.
+The first two of three steps; `values` checks the columns and makes events of them.
 """
 
 from __future__ import annotations

@@ -1,10 +1,11 @@
 """What the values of four columns may be, and how they become events: the last of three steps.
 
-`_columns` finds the columns before; `events` is what users call.
+`columns` finds the columns before; `events` is what users call.
 """
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from typing import Any, TypeAlias
 
@@ -76,23 +77,33 @@ def check_polarity(p: Column, is_ours: bool) -> None:
         raise ValueError(f"p = {low:g}: {remedy} if {low:g} is OFF")
 
 
+def check_unit(t: Column) -> None:
+    """Refuse times without a unit that hardly are microseconds, or warn of them."""
+    if t.dtype.kind == "f":
+        raise ValueError(
+            f"time_unit = None: t is {t.dtype}; floating times need their unit, give "
+            "asap.as_events(..., time_unit='s')"
+        )
+    if are_thousands(t):
+        raise ValueError(
+            "time_unit = None: t are whole multiples of 1000; give "
+            "asap.as_events(..., time_unit='us') or time_unit='ns'"
+        )
+    if len(t) < HEAD or t.dtype.kind not in "iu":
+        return
+    span_us = int(t[-1]) - int(t[0])
+    is_dense, is_sparse = len(t) > _MAX_PER_US * (span_us + 1), span_us > _LONG_US * len(t)
+    if span_us < 0 or not (is_dense or is_sparse):  # one that is not sorted tells nothing
+        return
+    if doubt := unit_doubt("us", len(t), span_us, np.diff(t[:HEAD])):
+        warnings.warn(f"t: {doubt[0]}; {doubt[1]} to asap.as_events", stacklevel=3)
+
+
 def are_thousands(t: Column) -> bool:
     """Whether stamps are all multiples of 1000, which a camera's clock gives in ns alone."""
     some = t[:1000] if t.dtype.kind in "iu" else t[:0]
     steps = np.count_nonzero(np.diff(np.sort(some)))  # np.unique imports numpy.ma in a first push
     return steps + 1 >= _SOME and not np.any(some % 1000) and not np.any(t % 1000)
-
-
-def doubt_of_unit(t: Column) -> str | None:
-    """Say why whole times without a unit are hardly microseconds."""
-    if len(t) < HEAD or t.dtype.kind not in "iu":
-        return None
-    span_us = int(t[-1]) - int(t[0])
-    is_dense, is_sparse = len(t) > _MAX_PER_US * (span_us + 1), span_us > _LONG_US * len(t)
-    if span_us < 0 or not (is_dense or is_sparse):  # one that is not sorted tells nothing
-        return None
-    doubt = unit_doubt("us", len(t), span_us, np.diff(t[:HEAD]))
-    return doubt and f"{doubt[0]}; {doubt[1]}"
 
 
 def unit_doubt(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -41,16 +42,16 @@ def judge(raw: RawSource, bad: BadEvents, meters: Meters) -> Iterator[Finding]:
     yield _out_of_bounds(raw, bad, meters.pixels)
     yield _found(
         "back_steps",
-        bad.back_steps,
         WRONG,
+        bad.back_steps,
         _disorder_words(bad),
         f"A run drops and counts them. {_sorting(bad, meters)}",
     )
     yield _lost(raw)
     yield _found(
         "clock_resets",
-        bad.clock_resets,
         WRONG,
+        bad.clock_resets,
         _reset_words(bad),
         "Timestamps before and after are of two clocks: split the recording there. A run goes on "
         "1 us after the last event.",
@@ -62,10 +63,20 @@ def judge(raw: RawSource, bad: BadEvents, meters: Meters) -> Iterator[Finding]:
     yield _hot_pixels(meters)
 
 
-def _found(name: str, tally: Tally, verdict: str, detail: str, remedy: str) -> Finding:
+def _found(
+    name: str,
+    verdict: str,
+    found: Tally | int,
+    detail: str,
+    remedy: str,
+    *,
+    byte: int | None = None,
+) -> Finding:
+    """Make a finding; what was never found is ok."""
+    tally = found if isinstance(found, Tally) else Tally(found)
     if tally.count == 0:
         return Finding(name, 0, OK, detail)
-    return Finding(name, tally.count, verdict, detail, remedy, tally.event, tally.t_us)
+    return Finding(name, tally.count, verdict, detail, remedy, tally.event, tally.t_us, byte)
 
 
 def _empty(bad: BadEvents, meters: Meters, raw: RawSource) -> Finding:
@@ -81,56 +92,40 @@ def _empty(bad: BadEvents, meters: Meters, raw: RawSource) -> Finding:
 
 def _records(raw: RawSource, bad: BadEvents) -> Finding:
     losses = raw.losses
-    count = losses.bad_record + bad.unreadable.count
-    if count == 0:
-        return Finding("bad_records", 0, OK, "")
+    found = replace(bad.unreadable, count=losses.bad_record + bad.unreadable.count)
     detail = "records that are no events, or whose timestamps are no times"
     remedy = "Are order and time unit right? Else the file is damaged there."
-    if 2 * losses.between_pixels > count:
+    if 2 * losses.between_pixels > found.count:
         detail = "x and y lie between pixels"
         remedy = (
             "asap.read(..., on_bad='clamp'), on the command line --on-bad clamp, moves each to the "
             "nearest pixel."
         )
-    return Finding(
-        "bad_records",
-        count,
-        WRONG,
-        detail,
-        f"A run drops and counts them. {remedy}",
-        bad.unreadable.event,
-        bad.unreadable.t_us,
-        next(iter(losses.bad_offsets), None),
-    )
+    detail *= found.count > 0
+    byte = next(iter(losses.bad_offsets), None)
+    remedy = f"A run drops and counts them. {remedy}"
+    return _found("bad_records", WRONG, found, detail, remedy, byte=byte)
 
 
 def _truncated(raw: RawSource) -> Finding:
-    if raw.losses.cut is None:
-        return Finding("truncated", 0, OK, "")
-    return Finding(
-        "truncated",
-        1,
-        WRONG,
-        raw.losses.cut.fault,
-        "What stands before is read. Copy the file again; a recording that was never closed "
-        "lost its end.",
-        byte=raw.losses.cut.offset,
+    fault, byte = ("", None) if (cut := raw.losses.cut) is None else (cut.fault, cut.offset)
+    remedy = (
+        "What stands before is read. Copy the file again; a recording that was never closed lost "
+        "its end."
     )
+    return _found("truncated", WRONG, int(cut is not None), fault, remedy, byte=byte)
 
 
 def _out_of_bounds(raw: RawSource, bad: BadEvents, pixels: PixelMap) -> Finding:
-    count = raw.losses.out_of_bounds + bad.outside.count
+    found = replace(bad.outside, count=raw.losses.out_of_bounds + bad.outside.count)
     known = bool(raw.width and raw.height)
     sensor = f"{raw.width} x {raw.height} px" if known else "sensor unknown: not checked"
-    if count:
+    if found.count or known:
         remedy = (
             "A run drops and counts them. Many: is the sensor's size right, are x and y swapped? "
             "A few: transmission errors."
         )
-        outside = bad.outside
-        return Finding("out_of_bounds", count, WRONG, sensor, remedy, outside.event, outside.t_us)
-    if known:
-        return Finding("out_of_bounds", 0, OK, sensor)
+        return _found("out_of_bounds", WRONG, found, sensor, remedy)
     rows, columns = pixels.counts.shape
     reach = f"addresses up to x = {columns - 1}, y = {rows - 1}"
     if pixels.beyond:
@@ -167,15 +162,9 @@ def _sorting(bad: BadEvents, meters: Meters) -> str:
 
 def _lost(raw: RawSource) -> Finding:
     count = raw.losses.lost_packets
-    if count == 0:
-        return Finding("lost_packets", 0, OK, "")
-    return Finding(
-        "lost_packets",
-        count,
-        WRONG,
-        f"{_units.count(count)} packets never arrived, as their numbers say",
-        "Nothing is decoded across a gap. Give the recorder a longer queue or a faster disk.",
-    )
+    words = f"{_units.count(count)} packets never arrived, as their numbers say" * (count > 0)
+    remedy = "Nothing is decoded across a gap. Give the recorder a longer queue or a faster disk."
+    return _found("lost_packets", WRONG, count, words, remedy)
 
 
 def _reset_words(bad: BadEvents) -> str:
@@ -191,8 +180,8 @@ def _gaps(steps: Steps) -> Finding:
     verdict = WRONG if steps.longest_us >= WRONG_GAP_US else NOTE
     return _found(
         "gaps",
-        steps.gaps,
         verdict,
+        steps.gaps,
         f"longest {_units.duration(steps.longest_us)}",
         f"No event for {_units.duration(GAP_US)} or more: a still scene behind a noise filter, or "
         "lost data. Compare with the driver's own counters.",
@@ -202,10 +191,9 @@ def _gaps(steps: Steps) -> Finding:
 def _time_unit(raw: RawSource, meters: Meters) -> Finding:
     steps_us = np.diff(meters.head)
     doubt = unit_doubt(raw.losses.guessed_unit, meters.events, meters.duration_us, steps_us)
-    if doubt is None:
-        return Finding("time_unit", 0, OK, "")
-    detail, remedy = doubt
-    return Finding("time_unit", 1, NOTE, detail, _sentence(remedy), 0, meters.first_stamp_us)
+    detail, remedy = doubt or ("", "")
+    found = Tally(int(doubt is not None), 0, meters.first_stamp_us)
+    return _found("time_unit", NOTE, found, detail, f"{remedy[:1].upper()}{remedy[1:]}.")
 
 
 def _noise(meters: Meters) -> Finding:
@@ -222,10 +210,6 @@ def _noise(meters: Meters) -> Finding:
     return Finding("noise", alone.count, NOTE, words, remedy + "thresholds of the camera.")
 
 
-def _sentence(words: str) -> str:
-    return f"{words[0].upper()}{words[1:]}."
-
-
 def _polarity(bad: BadEvents, meters: Meters) -> Finding:
     tally, events, on = bad.odd_polarity, meters.events, meters.on
     share = f"{_units.share(on / events)} ON" if events else ""
@@ -235,8 +219,8 @@ def _polarity(bad: BadEvents, meters: Meters) -> Finding:
         )
     return _found(
         "polarity",
-        tally,
         NOTE,
+        tally,
         f"neither 0 nor 1; {share}" if tally.count else share,
         "Read as ON where it is above 0, else as OFF: right for -1 and 1. Other values: is this "
         "column the polarity?",
@@ -245,16 +229,15 @@ def _polarity(bad: BadEvents, meters: Meters) -> Finding:
 
 def _hot_pixels(meters: Meters) -> Finding:
     hot = meters.pixels.hot()
-    if hot.size == 0:
-        share = int(meters.pixels.busiest()["events"].sum()) / max(meters.events, 1)
-        return Finding("hot_pixels", 0, OK, f"the 10 busiest hold {_units.share(share)}")
-    share = int(hot["events"].sum()) / meters.events
+    busiest = meters.pixels.busiest() if hot.size == 0 else hot
+    share = int(busiest["events"].sum()) / max(meters.events, 1)
     where = ", ".join(f"({x}, {y})" for x, y, _ in hot[:3].tolist())
     more = f" and {hot.size - 3} more" if hot.size > 3 else ""
-    return Finding(
-        "hot_pixels",
-        hot.size,
-        WRONG if share >= WRONG_HOT else NOTE,
-        f"{_units.share(share)} of the events: {where}{more}",
-        "Mask them in the camera, or put asap.BackgroundActivityFilter in front of the algorithm.",
+    words = f"{_units.share(share)} of the events: {where}{more}"
+    remedy = (
+        "Mask them in the camera, or put asap.BackgroundActivityFilter in front of the algorithm."
     )
+    if hot.size == 0:
+        words = f"the 10 busiest hold {_units.share(share)}"
+    verdict = WRONG if share >= WRONG_HOT else NOTE
+    return _found("hot_pixels", verdict, hot.size, words, remedy)

@@ -254,15 +254,6 @@ class Archive:
     def __contains__(self, key: str) -> bool:
         return f"{key}.npy" in self._infos
 
-    def read(self, name: str, most_bytes: int) -> bytes:
-        """Unpack a member of at most so many bytes."""
-        info = self._info(name)
-        if info.file_size > most_bytes:
-            fault = f"{name} = {info.file_size} bytes: more than {most_bytes}"
-            raise CorruptFile(self._path, info.header_offset, fault)
-        with self._open(info) as member:
-            return member.read()
-
     def header(self, key: str) -> _Header:
         """Read the header of an array and compare its size with the bytes that are there."""
         info = self._info(f"{key}.npy")
@@ -287,16 +278,6 @@ class Archive:
         with self.opened(key) as member:
             array: npt.NDArray[Any] = npy.read_array(member, allow_pickle=False)
         return array if array.ndim else array.reshape(1)
-
-    def column(self, key: str, dtype: npt.DTypeLike, count: int) -> npt.NDArray[Any]:
-        """Unpack one array of exactly this type and length."""
-        with foreign(self._path):
-            header, expected = self.header(key), np.dtype(dtype)
-            if header.dtype != expected:
-                raise ValueError(f"{key}.npy = {header.dtype}: the type must be {expected}")
-            if header.shape != (count,):
-                raise ValueError(f"{key}.npy = {header.shape}: the shape must be ({count},)")
-        return self.array(key)
 
     @contextmanager
     def _open(self, info: zipfile.ZipInfo) -> Iterator[IO[bytes]]:
