@@ -1,5 +1,7 @@
-// TrackedObject: one thing that an algorithm follows, at the moment of the question. Plain data;
-// the Python array of objects has these fields in this order.
+// TrackedObject: one thing that an algorithm follows, at the moment of the question. Plain data, on
+// any thread, no allocation; the Python array of objects has these fields in this order.
+//
+//   for (const TrackedObject& object : tracker.objects()) avoid(object.x, object.y);
 #pragma once
 
 #include <cstdint>

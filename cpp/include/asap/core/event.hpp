@@ -1,6 +1,6 @@
-// Event: one brightness change of one pixel. 16 bytes, byte-identical to Metavision's EventCD, so
-// such arrays enter without a copy. The two bytes between p and t are padding without a value:
-// compare and hash fields, never raw bytes. EventSource: where a run gets its events from.
+// Event: one brightness change of one pixel; plain data, no allocation. 16 bytes, byte-identical to
+// Metavision's EventCD, so such arrays enter without a copy. Two bytes between p and t are padding:
+// compare and hash fields. EventSource: where a run gets its events from, on one thread.
 //
 //   const Event event{.x = 3, .y = 4, .p = 1, .t = 1'000};  // px, px, ON, us
 #pragma once

@@ -1,7 +1,7 @@
-// What must not block: no lock, no allocation, no sleep, no other system call. ASAP_NONBLOCKING
-// marks such a function where the compiler knows the mark (clang from 20 on, -Wfunction-effects):
-// it then proves the function and all that it calls. tests/realtime/run does so for the library.
-// exempt() names what is not proved; RealtimeSanitizer does not look there. Any thread, no cost.
+// What must not block: no lock, no allocation, no sleep, no system call; any thread. clang from 20
+// on (-Wfunction-effects) proves a marked function with all that it calls; tests/realtime/run does
+// so for the library. exempt() names what is not proved; RealtimeSanitizer does not look there.
+//   void step(EventSpan events) noexcept ASAP_NONBLOCKING;
 #pragma once
 
 #include <utility>

@@ -1,7 +1,7 @@
-// Time inside a run: nanoseconds, int64, on the run's own axis. TimeAxis ties that axis to the
-// timestamps of the recording. Its zero is the whole second before the first timestamp, so that at
-// speed 1 multiples of a period that divides a second are the same on both. Timestamps are divided
-// by `speed` (2 = twice as fast).
+// Time inside a run: nanoseconds, int64, on the run's own axis. TimeAxis ties it to timestamps,
+// which are divided by `speed`. Zero is the whole second before the first one, so that at speed 1
+// multiples of a period that divides a second are the same on both. Any thread, no allocation.
+//   const double us = TimeAxis{first_us, 2.0}.to_us(run_ns);  // of a run at twice the speed
 #pragma once
 
 #include <algorithm>

@@ -1,8 +1,8 @@
 // NativeDecoder: what the decoder of every format offers: how far a call came, the triggers it met,
-// bad records, and the bytes of a record that was cut.
+// bad records, and the bytes of a record that was cut. One thread. Never throws on bytes, allocates
+// only in a vector that it fills. decode() is O(bytes), the rest O(1).
 //
-// One thread. Never throws on bytes, allocates only in a vector that it fills. decode() is
-// O(bytes), the rest O(1).
+//   while (read(file, bytes)) decoder.decode(bytes, events);  // cut anywhere; events are appended
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// Package: the events handed to the algorithm in one go, with what the algorithm may want to know
-// about them. The events stay valid until the package is completed.
+// Package: the events of one call of the algorithm, and what it may want to know about them. On the
+// consumer's thread, without allocation; the events stay valid until the package is completed.
 //
 //   const Consumer consumer = [&](const Package& package) {
 //     tracker.set_gamma(package.gamma);

@@ -1,6 +1,6 @@
 // Pipeline: live events to the algorithm, in packages, within the latency bound. The producer, any
 // one thread at a time, pushes and is never blocked; the consumer works on its own thread; any
-// thread may look, flush and stop. No polling.
+// thread may look, flush and stop. No polling, no allocation after construction.
 //
 //   Pipeline pipeline{{.latency = 10ms}, [&](EventSpan events) { tracker.process(events); }};
 //   driver.on_events([&](EventSpan events) { pipeline.push(events); });   // any one thread

@@ -1,6 +1,6 @@
 // Replay: a recording in real time. A producer thread of its own pushes the events when the steady
 // clock reaches their timestamps (divided by `speed`); the algorithm runs on the caller's thread
-// and is timed. The producer is never delayed by the algorithm: a full ring overflows and counts.
+// and is timed. The producer never waits: a full ring overflows and counts. Only the log grows.
 //
 //   Replay replay{scheme, {.speed = 1.0}, {.latency = 10ms}};
 //   SpanSource source{events};

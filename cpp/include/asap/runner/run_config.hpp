@@ -1,4 +1,4 @@
-// Consumer, WhenFull, RunConfig, RunStats, PipelineMemory: what the runners have in common.
+// Consumer, WhenFull, RunConfig, RunStats, PipelineMemory, of all runners: plain data, any thread.
 //
 //   const RunConfig config{.latency = 10ms, .validator = {.width = 346, .height = 260}};
 #pragma once

@@ -10,7 +10,7 @@
 //
 // Containers are the driver's, counted over the events that leave the ring. There is no start-up
 // lock: top begins at max_gamma; and no NaN: the 500 containers take at least 1 us, gamma is
-// clipped to [0, 1]. Flush at the latency bound. O(1) per package and container, no allocation.
+// clipped to [0, 1]. Flush at the bound. On the consumer's thread; O(1), no allocation.
 //
 //   Asap2022 scheme;
 //   Pipeline pipeline{scheme, {.latency = 10ms}};

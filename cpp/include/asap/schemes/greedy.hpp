@@ -4,7 +4,7 @@
 // With an efficiency eta a package is capped at n = eta / (1 - eta) alpha / beta, of which eta is
 // time for events: oldest first, the rest waits. That shortens the longest latency after abrupt
 // changes (notebooks/theory.md, T4), as long as eta stays well above the mean load. alpha and beta
-// are learned. O(1) per package.
+// are learned. On the consumer's thread, O(1) per package, no allocation.
 //
 //   Greedy scheme;
 //   Replay replay{scheme, {.speed = 1.0}, {}};

@@ -1,5 +1,5 @@
 // Ledger: where every event went. Slot: what became of the events of one millisecond. Plain
-// numbers.
+// numbers: any thread, no allocation.
 //
 //   const Ledger ledger = pipeline.ledger();
 //   if (ledger.delivered < ledger.received) fail("some events were lost");
