@@ -45,6 +45,7 @@ def pieces(result: Any) -> list[Events]:
 @pytest.fixture
 def files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Events:
     """Files of one stream in the current folder, and its events."""
+    pytest.importorskip("lz4", reason="events.aedat4 is packed by it")
     monkeypatch.chdir(tmp_path)
     scene = asap.synthetic.FlightOverChairs(duration_s=0.1)
     events = scene.events()
