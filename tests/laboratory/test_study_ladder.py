@@ -19,7 +19,6 @@ from asap_laboratory.ladder.accuracy import (
 )
 from asap_laboratory.ladder.cases import LadderCase
 from asap_laboratory.ladder.cost import fit
-from asap_laboratory.ladder.naive import NaiveClusterer
 from asap_laboratory.ladder.rungs import RUNGS, LadderRung
 from asap_laboratory.ladder.settings import (
     BASELINES,
@@ -94,7 +93,7 @@ def test_a_setting_of_a_faster_stream_is_alike():
 
 def test_tuned_baselines_keep_the_bound_where_the_ring_of_all_does_not():
     events = streams.make(np.arange(20_000), 1, 1, 1)  # 1 Mev/s, of which a tenth can be done
-    found = tried(events, 1.0, 10_000.0, execution="anytime")
+    found = tried(events, 1.0, 10_000.0)
     for name in BASELINES:
         chosen = dataclasses.asdict(best(found, name))
         (merit,) = only(found, **chosen)
@@ -193,26 +192,6 @@ def test_recorder_has_the_packages_of_the_run_with_their_times():
     latencies_us = np.concatenate([one.done_us - one.events["t"] for one in packages])
     assert latencies_us.max() == pytest.approx(run.latency.max, rel=0.01)
     assert min(one.gamma for one in packages) < 1
-
-
-# ---- rungs ----------------------------------------------------------------------------------
-
-
-def test_naive_clusterer_is_the_published_rule():
-    scene = scenes.timing(5, 200, 150, 300.0, seed=1, duration_s=0.03)
-    events = scene.events[np.unique(scene.events["t"], return_index=True)[1]]
-    naive = NaiveClusterer(window=300)
-    published = _core.PublishedClusterTracker(
-        200, 150, window=300, probes=0, weight=0.05, min_size=15
-    )
-    for begin in range(0, events.size, 97):
-        naive.process(events[begin : begin + 97])
-        published.process(events[begin : begin + 97])
-        mine, its = (np.sort(one.clusters[["x", "y"]], order="x") for one in (naive, published))
-        assert mine.size == its.size
-        for axis in "xy":
-            np.testing.assert_allclose(mine[axis], its[axis], atol=1e-6)
-    assert events.size > 3 * 300 and mine.size > 1
 
 
 # ---- the whole ------------------------------------------------------------------------------

@@ -7,6 +7,7 @@ the stream `SLOWDOWN` times as fast and four times over, everything else scaled 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -59,7 +60,7 @@ class LadderCase:
         rung, scene = RUNGS[self.rung], stream(self.size, self.seed)
         alone = None
         if rung.score:
-            alone = self._accuracy(rung, scene, everything(scene), twin=True).delivered
+            alone = self._accuracy(rung, scene, everything(scene)).delivered
         what = {**self._what(), "rung": self.rung, "seed": self.seed, "rate_hz": _rate_hz(scene)}
         return [
             {**what, "scheme": label, "alone": alone, **self._under(setting, rung, scene)}
@@ -82,7 +83,6 @@ class LadderCase:
             latency_ms=self.latency_ms,
             capacity=setting.capacity,
             algorithm=recorder,
-            execution=rung.execution,
             seed=self.seed,
         )
         if recorder is None:
@@ -96,14 +96,11 @@ class LadderCase:
             return deliveries
         return [one._replace(gamma=kept if self.told == "mean" else 1.0) for one in deliveries]
 
-    def _accuracy(
-        self, rung: LadderRung, scene: Scene, deliveries: list[Delivery], *, twin: bool = False
-    ) -> Used:
-        make = rung.twin if twin and rung.twin else rung.make
+    def _accuracy(self, rung: LadderRung, scene: Scene, deliveries: list[Delivery]) -> Used:
+        make = partial(rung.make, scene.width, scene.height)
         if rung.score == "corners":
-            detector = make(scene.width, scene.height)
-            return corner_accuracy(detector, scene, deliveries, self.latency_ms * 1e3)
-        return tracker_accuracy(lambda: make(scene.width, scene.height), scene, deliveries)
+            return corner_accuracy(make(), scene, deliveries, self.latency_ms * 1e3)
+        return tracker_accuracy(make, scene, deliveries)
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from asap_laboratory.ladder.rungs import RUNGS, SLOWDOWN, LadderRung, stream
+from asap_laboratory.ladder.rungs import RUNGS, SLOWDOWN, stream
 from asap_laboratory.ladder.settings import tried
 from asap_laboratory.page import Rows
 
@@ -38,15 +38,15 @@ class CostCase:
         rung = RUNGS[self.rung]
         scene = stream(self.size, 0)
         alpha_us, beta_ns = rung.stated or measured(
-            rung, rung.make(scene.width, scene.height), scene.events
+            rung.make(scene.width, scene.height), scene.events
         )
         begin = scene.events[: np.searchsorted(scene.events["t"], _TUNED_OVER_US)]
-        found = tried(begin, alpha_us * SLOWDOWN, beta_ns * SLOWDOWN, execution=rung.execution)
+        found = tried(begin, alpha_us * SLOWDOWN, beta_ns * SLOWDOWN)
         cost = {"kind": "cost", "rung": self.rung, "alpha_us": alpha_us, "beta_ns": beta_ns}
         return [cost, *({"kind": "tried", "rung": self.rung, **row} for row in found)]
 
 
-def measured(rung: LadderRung, algorithm: Any, events: NDArray[np.void]) -> tuple[float, float]:
+def measured(algorithm: Any, events: NDArray[np.void]) -> tuple[float, float]:
     """Time packages of the second half of a stream; return alpha in us and beta in ns.
 
     On a surface that is still empty a corner detector costs a third of what it does later.
@@ -59,9 +59,8 @@ def measured(rung: LadderRung, algorithm: Any, events: NDArray[np.void]) -> tupl
         taken_ns: list[int] = []
         while (spent_ns < _TIME_FOR_A_SIZE_NS and len(taken_ns) < 100) or len(taken_ns) < 3:
             if begin + size > events.size:
-                if rung.execution == "anytime":  # a slow one, which costs the same from the start
-                    algorithm.reset()
-                    algorithm.process(events[:warm_up])
+                algorithm.reset()
+                algorithm.process(events[:warm_up])
                 begin = warm_up
             package = events[begin : begin + size]
             begin += size

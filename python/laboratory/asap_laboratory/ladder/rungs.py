@@ -1,4 +1,4 @@
-"""The ladder: every consumer of the library, from a filter to a clusterer in plain Python.
+"""The ladder: every consumer of the library, from a filter to a clusterer without an index.
 
 The stream that all of them get lasts 0.3 s, 9 Mev/s from 100 objects at up to 800 px/s on 1280 x
 720 px. In virtual time the computer is taken to be `SLOWDOWN` times slower than the one that
@@ -13,7 +13,6 @@ from typing import Any, Literal, NamedTuple
 
 from asap import _core
 from asap_laboratory import scenes
-from asap_laboratory.ladder import naive
 from asap_laboratory.scoring import Scene
 
 LATENCY_MS = 3.0  #: the bound
@@ -25,19 +24,13 @@ Maker = Callable[[int, int], Any]
 class LadderRung(NamedTuple):
     """A consumer.
 
-    `score`: how its accuracy is told; `twin`: makes a faster one of the same rule, for the accuracy
-    with all events; `stated`: alpha in us and beta in ns, taken from elsewhere, not measured.
+    `score`: how its accuracy is told; `stated`: alpha in us and beta in ns, taken from elsewhere,
+    not measured.
     """
 
     make: Maker
     score: Literal["tracker", "corners"] | None = None
-    twin: Maker | None = None
     stated: tuple[float, float] | None = None
-
-    @property
-    def execution(self) -> str:
-        """How it takes a package: in one call, as a Python algorithm does, or in parts."""
-        return "whole" if self.make is naive.make else "anytime"
 
 
 _ours = _core.ClusterTracker
@@ -64,10 +57,9 @@ RUNGS: dict[str, LadderRung] = {
     "EHarris": LadderRung(_core.EHarris, "corners"),
     "PlaneFlow": LadderRung(_core.PlaneFlow),
     # A smaller computer; the rule without an index; the authors' class.
-    "fast, 300 ns": LadderRung(_ours, "tracker", _ours, (5.0, 300.0)),
-    "compat, 450 ns": LadderRung(_published, "tracker", _published, (1.0, 450.0)),
-    "compat, 2 us": LadderRung(_published, "tracker", _published, (1.0, 2000.0)),
-    "compat, Python": LadderRung(naive.make, "tracker", _published),
+    "fast, 300 ns": LadderRung(_ours, "tracker", (5.0, 300.0)),
+    "compat, 450 ns": LadderRung(_published, "tracker", (1.0, 450.0)),
+    "compat, 2 us": LadderRung(_published, "tracker", (1.0, 2000.0)),
 }
 """By label, about in the order of their cost."""
 

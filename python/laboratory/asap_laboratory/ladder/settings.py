@@ -70,7 +70,7 @@ def ours(latency_ms: float = LATENCY_MS) -> Setting:
     return Setting(OURS, {"latency_ms": latency_ms})
 
 
-def tried(events: NDArray[np.void], alpha_us: float, beta_ns: float, *, execution: str) -> Rows:
+def tried(events: NDArray[np.void], alpha_us: float, beta_ns: float) -> Rows:
     """Put every setting of the baselines to a consumer of that cost: how each did."""
     found = []
     for setting in _settings(alpha_us, beta_ns):
@@ -80,7 +80,6 @@ def tried(events: NDArray[np.void], alpha_us: float, beta_ns: float, *, executio
             scheme=setting.make(),
             latency_ms=LATENCY_MS,
             capacity=setting.capacity,
-            execution=execution,
         )
         p99_ms = run.latency.quantile(0.99) / 1e3
         found.append({**asdict(setting), "in_time": run.in_time, "p99_ms": p99_ms})
