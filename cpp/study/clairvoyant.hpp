@@ -16,10 +16,11 @@ namespace asap::inline v0_1 {
 // is enough, because a server that is free earlier is never worse. O(bins x L / bin) per L tried.
 //
 // Events in order of time, from an idle algorithm to an empty queue; run time begins at the whole
-// second before the first stamp, as in a run of this window alone. Packages begin and end where
-// stamps fall into different bins of bin_us: the smallest bins (1 us) separate all different
-// stamps, 0 even the events of one stamp; wider ones are faster and the answer is a little above.
-// The cost must be free of noise; drift and outages are foreseen. 0 for no events; nanoseconds.
+// second before the first timestamp, as in a run of this window alone. Packages begin and end where
+// timestamps fall into different bins of bin_us: the smallest bins (1 us) separate all different
+// timestamps, 0 even the events of one timestamp; wider ones are faster and the answer is a little
+// above. The cost must be free of noise; drift and outages are foreseen. 0 for no events;
+// nanoseconds.
 std::int64_t clairvoyant_latency_ns(EventSpan events, const LinearCost& cost, double bin_us = 10.0);
 
 inline constexpr double kMaxExactSteps = 8e10;  // a minute at most
@@ -28,10 +29,10 @@ inline constexpr double kMaxExactSteps = 8e10;  // a minute at most
 // package is a block of neighbouring events: to exchange an event for a younger one never hurts.
 // O(events x (events per L)^2), mostly far less.
 //
-// Events in order of time; a stamp that goes back counts as the one before it. With noise the mean
-// cost counts; an event that ends at the bound is in time. Throws std::invalid_argument for a cost
-// with drift or outages, and where it may take more than max_steps, with the number of events that
-// fits.
+// Events in order of time; a timestamp that goes back counts as the one before it. With noise the
+// mean cost counts; an event that ends at the bound is in time. Throws std::invalid_argument for a
+// cost with drift or outages, and where it may take more than max_steps, with the number of events
+// that fits.
 std::uint64_t exact_clairvoyant(EventSpan events, const LinearCost& cost, double latency_us,
                                 double max_steps = kMaxExactSteps);
 

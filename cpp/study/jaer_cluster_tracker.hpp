@@ -3,7 +3,7 @@
 // masses that decay, boxes that overlap and move alike become one. A baseline of an experiment, not
 // a product. One thread at a time. O(boxes near by) per event, O(boxes^2) per tick of a
 // millisecond; allocates in the constructor and for what it returns. Same clock as the cluster
-// tracker's: a stamp that goes back counts as the latest one.
+// tracker's: a timestamp that goes back counts as the latest one.
 // Source: Delbruck and Lang, "Robotic goalie with 3 ms reaction time at 4 % CPU load using
 // event-based dynamic vision sensor", 2013; built from its rules, the Java program was not run.
 #pragma once

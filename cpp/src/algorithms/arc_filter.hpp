@@ -35,7 +35,7 @@ class ArcFilter {
     return static_cast<int>(now - last > window_us_) | static_cast<int>(pixel[1 - own] > last);
   }
 
-  // Takes the stamp of an event that is not tested.
+  // Takes the timestamp of an event that is not tested.
   void pass_over(const Event& event) noexcept { times_.time_of(event.t); }
 
   // The time of the latest event, passed over or not.

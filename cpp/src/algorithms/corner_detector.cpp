@@ -56,7 +56,7 @@ class HarrisPatch {
 
  private:
   double threshold_;
-  OrderSurface arrivals_;  // numbers events, not stamps: a patch has no ties
+  OrderSurface arrivals_;  // numbers events, not timestamps: a patch has no ties
   NewestPatch patch_;
 };
 
@@ -176,7 +176,7 @@ class FAHarrisRule {
   SensorFrame frame_;
   HarrisPatch patch_;  // holds the events that passed
   ArcFilter filter_;
-  OrderSurface stamps_;  // holds the same events for the arcs, where equal stamps are ties
+  OrderSurface stamps_;  // holds the same events for the arcs, where equal timestamps are ties
 };
 
 namespace {

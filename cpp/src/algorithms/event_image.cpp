@@ -32,7 +32,7 @@ std::int64_t plus(std::int64_t stamp_us, std::int64_t duration_us) noexcept {
   return stamp_us > kLatest - duration_us ? kLatest : stamp_us + duration_us;
 }
 
-// The multiple of the period at or before the stamp; the first of all where there is none.
+// The multiple of the period at or before the timestamp; the first of all where there is none.
 std::int64_t period_begin(std::int64_t stamp_us, std::int64_t period_us) noexcept {
   const std::int64_t rest = stamp_us % period_us;
   const std::int64_t into = rest < 0 ? rest + period_us : rest;
@@ -143,8 +143,9 @@ class EventImage::Impl {
   std::uint64_t rejected = 0;
 
  private:
-  // A stamp that goes back, is beyond the period or the first of the image. False: its event begins
-  // the next one. Epochs as EventClock has them: an image by count has begun as long ago as before.
+  // A timestamp that goes back, is beyond the period or the first of the image. False: its event
+  // begins the next one. Epochs as EventClock has them: an image by count has begun as long ago as
+  // before.
   bool place(std::int64_t t_us, bool has_begun, std::int64_t& last_us) noexcept {
     const std::int64_t period_us = config.period.count();
     const bool goes_back = t_us < last_us;
@@ -184,7 +185,7 @@ class EventImage::Impl {
       case ImageChannel::time:
         break;
     }
-    // A stamp stands for the whole microsecond, so an event at the begin differs from none.
+    // A timestamp stands for the whole microsecond, so an event at the begin differs from none.
     const double duration_us = static_cast<double>(distance_us(image_begin_us_, image_end_us_));
     const std::int64_t begin_us = moved(begin_us_, -epoch_us_);
     for (std::size_t i = 0; i < pixels_; ++i) {
@@ -204,8 +205,8 @@ class EventImage::Impl {
   double weight_ = 1;
   double filled_ = 0;  // weight of the image that has begun
   std::int64_t begin_us_ = 0;
-  std::int64_t plain_until_us_ = kEarliest;  // stamps in order before it need no look
-  std::uint64_t epoch_us_ = 0;               // from the first epoch's stamps to those of now
+  std::int64_t plain_until_us_ = kEarliest;  // timestamps in order before it need no look
+  std::uint64_t epoch_us_ = 0;               // from the first epoch's timestamps to those of now
   std::int64_t last_us_ = kEarliest;
   std::int64_t image_begin_us_ = 0;
   std::int64_t image_end_us_ = 0;

@@ -35,10 +35,10 @@ class EventWindow {
   // Where the next event goes. Once the window is full: the oldest event, to be unchained first.
   Position cursor() const noexcept { return cursor_; }
 
-  // The stamp of the oldest event. Precondition: one was appended.
+  // The timestamp of the oldest event. Precondition: one was appended.
   std::int64_t oldest_t() const noexcept { return entries_[full_ ? cursor_ : 0].t; }
 
-  // The stamp of the event appended last. Precondition: one was.
+  // The timestamp of the event appended last. Precondition: one was.
   std::int64_t newest_t() const noexcept {
     return entries_[(cursor_ == 0 ? capacity() : cursor_) - 1].t;
   }

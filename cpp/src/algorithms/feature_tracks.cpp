@@ -79,7 +79,7 @@ std::int32_t FeatureTracks::update(const Event& corner) noexcept {
   return id;
 }
 
-// Returns the stamp of the oldest corner event that is remembered.
+// Returns the timestamp of the oldest corner event that is remembered.
 std::int64_t FeatureTracks::remember(const Event& corner) noexcept {
   clock_.advance(corner.t);
   now_us_ = static_cast<std::int64_t>(clock_.now_us());
@@ -96,7 +96,7 @@ std::int64_t FeatureTracks::remember(const Event& corner) noexcept {
   return stamps_us_[oldest_stamp_];
 }
 
-// The release lets the event count itself too and takes one off, also where all stamps that are
+// The release lets the event count itself too and takes one off, also where all timestamps that are
 // remembered are equal and it did not count.
 bool FeatureTracks::is_supported(const Event& corner, std::int64_t oldest_us) const noexcept {
   const std::size_t stride = frame_.width();

@@ -89,7 +89,7 @@ class FeatureTracks {
     std::uint16_t y;
     Slot older;  // neighbours in the order of last_us
     Slot newer;
-    std::int64_t t_first;  // stamps
+    std::int64_t t_first;  // timestamps
     std::int64_t t_last;
     std::int64_t last_us;   // by the clock
     std::uint64_t created;  // number of creation
@@ -118,7 +118,7 @@ class FeatureTracks {
   std::size_t oldest_stamp_ = 0;
   std::size_t stamps_ = 0;
   EventClock clock_;
-  std::int64_t now_us_ = 0;  // by the clock, as are all times but stamps
+  std::int64_t now_us_ = 0;  // by the clock, as are all times but timestamps
 
   CellGrid grid_;
   CentreGrid places_;

@@ -1,8 +1,9 @@
 // OrderSurface: a surface of active events that keeps the order instead of the time: per pixel and
-// polarity the number of the latest event, or of its stamp. Four bytes, whatever the stamps, and as
-// good for every rule that only compares. A border of kPad pixels that never fire lies around the
-// frame. One thread. O(1) per event and no allocation after construction. After 2^31 numbers the
-// pixels are renumbered, which keeps their order exactly: one sort of them all.
+// polarity the number of the latest event, or of its timestamp. Four bytes, whatever the
+// timestamps, and as good for every rule that only compares. A border of kPad pixels that never
+// fire lies around the frame. One thread. O(1) per event and no allocation after construction.
+// After 2^31 numbers the pixels are renumbered, which keeps their order exactly: one sort of them
+// all.
 #pragma once
 
 #include <algorithm>
@@ -42,8 +43,8 @@ class OrderSurface {
     return ++newest_;
   }
 
-  // Number of a stamp: equal stamps, equal numbers. A stamp that goes back counts as EventClock
-  // says. One surface numbers either events or stamps.
+  // Number of a timestamp: equal timestamps, equal numbers. A timestamp that goes back counts as
+  // EventClock says. One surface numbers either events or timestamps.
   Number next(std::int64_t stamp_us) noexcept {
     if (stamp_us <= last_us_) {
       if (begins_epoch(last_us_, stamp_us)) last_us_ = stamp_us;

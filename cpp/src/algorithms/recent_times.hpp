@@ -21,8 +21,8 @@ class RecentTimes {
   static constexpr std::int64_t kMaxWindow_us = 500'000'000;
   static constexpr Time kLongAgo = -(1 << 30);  // outside of every window
 
-  // `never`: the time of a cell without an event. Either kLongAgo, or 0: time 0 is the stamp 0, or
-  // the microsecond before the first stamp if that is not positive.
+  // `never`: the time of a cell without an event. Either kLongAgo, or 0: time 0 is the timestamp 0,
+  // or the microsecond before the first timestamp if that is not positive.
   RecentTimes(std::size_t cells, Time never) : never_(never), times_(cells, never) {}
 
   // The time of a stamp. Times read earlier are void when the origin has moved; the cells are not.
@@ -36,7 +36,7 @@ class RecentTimes {
     return static_cast<Time>(since_origin);
   }
 
-  // The time of the latest stamp; it never goes back.
+  // The time of the latest timestamp; it never goes back.
   std::int64_t now_us() const noexcept { return static_cast<std::int64_t>(clock_.now_us()); }
 
   Time* data() noexcept { return times_.data(); }

@@ -2,7 +2,7 @@
 // event joins the oldest-created cluster whose centre, or one of whose randomly probed events, lies
 // within R (L1), merges all others that pass, or founds a cluster. One thread. update() is O(1), a
 // merge O(events of the smaller one); allocates in the constructor only. Source: Rodriguez-Gomez et
-// al., ICRA 2020; their release forgets by time and remembers more where stamps are equal.
+// al., ICRA 2020; their release forgets by time and remembers more where timestamps are equal.
 #pragma once
 
 #include <algorithm>

@@ -1,9 +1,9 @@
 // WindowMoments: count and first and second moments in x, y and t of a changing set of events,
 // exact for ever: integer sums, added when an event enters, subtracted when it leaves, no drift, no
-// scan. The sums are kept modulo 2^64, so raw sums may overflow (they do, with stamps in Unix
+// scan. The sums are kept modulo 2^64, so raw sums may overflow (they do, with timestamps in Unix
 // time); what is read is formed about the mean, and is right whenever the value about the mean
-// fits. So no stamp offset per cluster is kept or rebased, and two sets merge by plain addition.
-// O(1), no allocation.
+// fits. So no timestamp offset per cluster is kept or rebased, and two sets merge by plain
+// addition. O(1), no allocation.
 #pragma once
 
 #include <cstdint>
@@ -61,9 +61,9 @@ class WindowMoments {
   Vector2 centroid() const noexcept;       // px
   Covariance covariance() const noexcept;  // px^2, of the events themselves (divided by n)
 
-  // Slope of the regression of x and y on t, px/us; 0 if all stamps are equal. `near` is the stamp
-  // of any event of the set. Right while n times the square of the set's span, in us, is below
-  // 2^64.
+  // Slope of the regression of x and y on t, px/us; 0 if all timestamps are equal. `near` is the
+  // timestamp of any event of the set. Right while n times the square of the set's span, in us, is
+  // below 2^64.
   Vector2 velocity(std::int64_t near) const noexcept;
 
   // Whether velocity() is right for a set of this span.
@@ -85,9 +85,9 @@ class WindowMoments {
   std::uint64_t yt_ = 0;
 };
 
-// The velocity of a cluster by regression over its chain of live events, px/us; 0 if all stamps are
-// equal. From the moments; where their sums of squared times overflow, in windows of minutes, by a
-// walk over the chain, O(its events). Not per event: at the read-out. `newest` is the chain's
+// The velocity of a cluster by regression over its chain of live events, px/us; 0 if all timestamps
+// are equal. From the moments; where their sums of squared times overflow, in windows of minutes,
+// by a walk over the chain, O(its events). Not per event: at the read-out. `newest` is the chain's
 // newest event, `moments` are the chain's.
 Vector2 chain_velocity(const EventWindow& window, EventWindow::Position newest,
                        const WindowMoments& moments) noexcept;

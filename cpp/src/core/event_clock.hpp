@@ -1,7 +1,7 @@
-// EventClock: the time of an algorithm, which never goes back. A stamp that goes back by at most a
-// second counts as the latest one. A larger step back begins a new epoch (the sensor was reset, its
-// counter wrapped, or one stamp was far ahead): time stands still for that event and goes on from
-// there. Any int64 is a valid stamp. One thread. O(1), no allocation.
+// EventClock: the time of an algorithm, which never goes back. A timestamp that goes back by at
+// most a second counts as the latest one. A larger step back begins a new epoch (the sensor was
+// reset, its counter wrapped, or one timestamp was far ahead): time stands still for that event and
+// goes on from there. Any int64 is a valid timestamp. One thread. O(1), no allocation.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,7 @@ constexpr std::uint64_t distance_us(std::int64_t earlier, std::int64_t later) no
   return static_cast<std::uint64_t>(later) - static_cast<std::uint64_t>(earlier);
 }
 
-// Precondition: the stamp is not after the latest one.
+// Precondition: the timestamp is not after the latest one.
 constexpr bool begins_epoch(std::int64_t latest_us, std::int64_t stamp_us) noexcept {
   constexpr std::uint64_t kBackStep_us = 1'000'000;
   return distance_us(stamp_us, latest_us) > kBackStep_us;
@@ -28,7 +28,7 @@ class EventClock {
   // A longer step counts as 11.6 days, so that no hostile stream overflows the time.
   static constexpr std::uint64_t kLongestStep_us = 1'000'000'000'000;
 
-  // True: the stamp begins a new epoch.
+  // True: the timestamp begins a new epoch.
   bool advance(std::int64_t t_us) noexcept {
     const bool goes_back = t_us < latest_us_;
     if (!goes_back) [[likely]] {
@@ -42,7 +42,7 @@ class EventClock {
     return new_epoch;
   }
 
-  // Advances by less than `most_us` to a stamp that does not go back. False: it does nothing.
+  // Advances by less than `most_us` to a timestamp that does not go back. False: it does nothing.
   bool advance_by_less(std::uint64_t most_us, std::int64_t t_us) noexcept {
     const std::uint64_t step_us = distance_us(latest_us_, t_us);
     if (step_us >= most_us) return false;
@@ -63,7 +63,7 @@ class EventClock {
 
   // The latest stamp.
   std::int64_t latest_us() const noexcept { return latest_us_; }
-  // The stamp of what is age_us old, negative for the future; clamped to int64.
+  // The timestamp of what is age_us old, negative for the future; clamped to int64.
   std::int64_t stamp_us(std::int64_t age_us) const noexcept {
     using Stamps = std::numeric_limits<std::int64_t>;
     if (age_us < 0) return std::min(latest_us_, Stamps::max() + age_us) - age_us;

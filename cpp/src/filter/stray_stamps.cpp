@@ -49,7 +49,7 @@ std::vector<std::size_t> stray_stamps(const Validator& validator, EventSpan even
     return end - at;
   };
 
-  std::vector<std::size_t> stray, kept;  // of `indices`; the stamps of the kept do not decrease
+  std::vector<std::size_t> stray, kept;  // of `indices`; the timestamps of the kept do not decrease
   std::int64_t before = validator.last_us() - validator.clock_offset_us();  // the first kept one
   bool is_first = validator.received() == validator.rejected().total();
   for (std::size_t at = 0; at < indices.size(); ++at) {

@@ -1,7 +1,8 @@
-// Stray stamps: a few events of a recording whose time is wrong while that of the events around
-// them is right, as after a flipped bit. The validator cannot tell: a stamp that is ahead makes all
-// that follow look late until the time has caught up, and one that is far behind looks like a reset
-// of the clock. A recording can be looked ahead in, so that the few are dropped and not the many.
+// Stray timestamps: a few events of a recording whose time is wrong while that of the events around
+// them is right, as after a flipped bit. The validator cannot tell: a timestamp that is ahead makes
+// all that follow look late until the time has caught up, and one that is far behind looks like a
+// reset of the clock. A recording can be looked ahead in, so that the few are dropped and not the
+// many.
 //
 // One thread. O(n) per chunk, only where the validator met a back-step; allocates there.
 #pragma once

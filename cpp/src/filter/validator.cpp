@@ -44,8 +44,8 @@ std::uint64_t room_above(std::uint64_t max_x, std::uint64_t max_y) noexcept {
 }
 constexpr std::uint64_t kCarries = 1ULL << 16 | 1ULL << 32 | 1ULL << 48;
 
-// From one stamp to the next. Between stamps in order it is below kSteps_us, a power of two;
-// backwards, or to a stamp far out of range, it is not.
+// From one timestamp to the next. Between timestamps in order it is below kSteps_us, a power of
+// two; backwards, or to a timestamp far out of range, it is not.
 std::uint64_t step_us(std::int64_t from, std::int64_t to) noexcept {
   return static_cast<std::uint64_t>(to) - static_cast<std::uint64_t>(from);
 }
@@ -117,7 +117,7 @@ void Validator::begin_epoch(std::int64_t first_us) noexcept {
   ++clock_resets_;
 }
 
-// `rest` begins with the block: what comes next decides about a stamp that is far back.
+// `rest` begins with the block: what comes next decides about a timestamp that is far back.
 Validator::Repaired Validator::repair(EventSpan block, EventSpan rest) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < block.size(); ++i) {
@@ -147,7 +147,7 @@ bool Validator::warms_up(const Event& event) noexcept {
   return warming_up_;
 }
 
-// Whether the stamps from the first of `rest` on, which is far back, stay where it is. Without
+// Whether the timestamps from the first of `rest` on, which is far back, stay where it is. Without
 // enough of them: only with those that came before.
 bool Validator::stays(EventSpan rest) noexcept {
   if (!doubts_resets_) return true;

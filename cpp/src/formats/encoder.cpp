@@ -153,7 +153,7 @@ template <class Format>
              "recording");
 }
 
-// What the next stamp is at least.
+// What the next timestamp is at least.
 template <class Format>
 std::int64_t earliest(const State& state) noexcept {
   return state.last_t == State{}.last_t ? Format::kMinTime : state.last_t;

@@ -137,7 +137,7 @@ namespace {
 
 constexpr std::size_t kDvsSize = 13;  // size of a record in ROS 1 and of the first one in CDR
 constexpr std::size_t kCdrStride =
-    16;  // step of the stamps in CDR; x and y move 2 bytes to the front
+    16;  // step of the timestamps in CDR; x and y move 2 bytes to the front
 
 std::int64_t dvs_time(const std::byte* at) {
   const std::int64_t s = load_little<std::uint32_t>(at);
@@ -159,7 +159,7 @@ std::size_t DvsRecords::whole() const noexcept {
 void DvsRecords::decode(std::size_t first, std::span<Event> events) const noexcept {
   std::size_t i = 0;
   if (layout_ == Layout::cdr && first == 0 && !events.empty()) {
-    write_dvs(&events[i++], bytes_.data(), bytes_.data() + 4);  // no padding before its stamp
+    write_dvs(&events[i++], bytes_.data(), bytes_.data() + 4);  // no padding before its timestamp
   }
   const std::size_t stride = layout_ == Layout::ros1 ? kDvsSize : kCdrStride;
   const std::size_t forward = layout_ == Layout::ros1 ? 0 : 2;

@@ -1,12 +1,11 @@
 // Oracle: OB(L), the largest number of events that a policy that does not know the random part of
-// the cost can finish within L of their stamps, whatever it discards and however well it knows the
-// arrivals. All events enter a fluid FIFO queue that is served at (1 - alpha/L)/beta, never in an
-// outage: no package of an in-time event lasts longer than L. An event is admitted as far as what
-// is served by its deadline allows; deadlines are in the order of arrival, so admitting as much as
-// possible, event by event, is the most there is. With beta constant a true bound, for a drifting
-// beta up to what a package saves that starts before a rise, with noise in expectation. One thread;
-// a few ns per event, memory flat.
-// Source: notebooks/theory.md, T7 and section 9.
+// the cost can finish within L of their timestamps, whatever it discards and however well it knows
+// the arrivals. All events enter a fluid FIFO queue that is served at (1 - alpha/L)/beta, never in
+// an outage: no package of an in-time event lasts longer than L. An event is admitted as far as
+// what is served by its deadline allows; deadlines are in the order of arrival, so admitting as
+// much as possible, event by event, is the most there is. With beta constant a true bound, for a
+// drifting beta up to what a package saves that starts before a rise, with noise in expectation.
+// One thread; a few ns per event, memory flat. Source: notebooks/theory.md, T7 and section 9.
 #pragma once
 
 #include <cstddef>
@@ -25,7 +24,7 @@ class Oracle {
   // counts the mean.
   Oracle(LinearCost cost, double latency_us, Execution execution);
 
-  // Events in arrival order; a stamp that goes back counts as the one before it.
+  // Events in arrival order; a timestamp that goes back counts as the one before it.
   void feed(EventSpan events) noexcept;
 
   // Counts the events so far and supposes that none follow.

@@ -1,6 +1,6 @@
 // EventTimes: when an event came, as the packager and the schemes see it. Of a recording that is
-// its stamp on the run's axis; in a live pipeline its arrival, because the sensor's clock is not
-// ours and a transport delay must make no event stale. One branch that is always the same; the
+// its timestamp on the run's axis; in a live pipeline its arrival, because the sensor's clock is
+// not ours and a transport delay must make no event stale. One branch that is always the same; the
 // consumer's thread.
 #pragma once
 
@@ -19,9 +19,9 @@ namespace asap::inline v0_1 {
 
 class EventTimes {
  public:
-  // By stamp, every count exact.
+  // By timestamp, every count exact.
   EventTimes() = default;
-  // The referenced object outlives this one. By stamp:
+  // The referenced object outlives this one. By timestamp:
   EventTimes(const AgeSlots& ages) noexcept : ages_(&ages) {}
   // By arrival:
   EventTimes(ArrivalTimes& arrivals) noexcept : arrivals_(&arrivals) {}
@@ -30,7 +30,7 @@ class EventTimes {
   // How many the table of arrival times has; 0 where times are stamps.
   std::size_t steps() const noexcept { return by_arrival() ? arrivals_->steps() : 0; }
 
-  // Where stamps lie in run time.
+  // Where timestamps lie in run time.
   void set_axis(TimeAxis axis) noexcept { axis_ = axis; }
   const TimeAxis& axis() const noexcept { return axis_; }
 
@@ -39,8 +39,8 @@ class EventTimes {
     return by_arrival() ? arrivals_->of(index) : axis_.to_ns(event.t);
   }
 
-  // Those of the waiting events [index, end) that can be treated together; by stamp all, of no one
-  // time.
+  // Those of the waiting events [index, end) that can be treated together; by timestamp all, of no
+  // one time.
   Together together(std::uint64_t index, std::uint64_t end) const noexcept {
     return by_arrival() ? arrivals_->together(index, end) : Together{0, end};
   }

@@ -71,7 +71,7 @@ class Packager {
   // does: then nothing has changed.
   void reset();
 
-  // Sets where stamps lie in run time, and the first of them; before the first event is pushed.
+  // Sets where timestamps lie in run time, and the first of them; before the first event is pushed.
   void begin(TimeAxis axis, std::int64_t first_us) noexcept;
 
   // Another latency bound, between two packages.

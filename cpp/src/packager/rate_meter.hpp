@@ -1,7 +1,7 @@
-// RateMeter: events per second over the last window of time, robust against bursts on one stamp,
-// single events and long silences. The window [begin, newest) is half-open, so that a burst half
-// seen does not count; it is at least 1 ms long and begins at the last mark before that, so there
-// is always a time to divide by. O(1) amortised per observation, fixed memory.
+// RateMeter: events per second over the last window of time, robust against bursts on one
+// timestamp, single events and long silences. The window [begin, newest) is half-open, so that a
+// burst half seen does not count; it is at least 1 ms long and begins at the last mark before that,
+// so there is always a time to divide by. O(1) amortised per observation, fixed memory.
 #pragma once
 
 #include <array>

@@ -46,7 +46,7 @@ struct LiveRun {
   // The run is new.
   LiveRun(Run& its_run, const RunConfig& config) noexcept;
 
-  // Producer. take(EventSpan) brings good events into the ring. A stamp that shows that the
+  // Producer. take(EventSpan) brings good events into the ring. A timestamp that shows that the
   // sensor's clock was set back makes what waits due.
   template <class Take>
   void push(const Take& take, EventSpan events, Pipeline::Arrival arrival);

@@ -21,7 +21,7 @@
 namespace asap::inline v0_1 {
 namespace {
 
-constexpr std::int64_t kLongestChunkNs = 1'000'000;  // of stamps in one push
+constexpr std::int64_t kLongestChunkNs = 1'000'000;  // of timestamps in one push
 
 ReplayConfig checked(ReplayConfig config) {
   using namespace std::chrono_literals;

@@ -35,8 +35,8 @@ Algorithm&& given(Algorithm&& algorithm) {
 
 class Run {
  public:
-  // A recording's events come at their stamps; a camera's when they are pushed, and its log keeps
-  // the newest rows alone.
+  // A recording's events come at their timestamps; a camera's when they are pushed, and its log
+  // keeps the newest rows alone.
   enum class Source { recording, camera };
 
   static constexpr std::size_t kMaxCopied = std::size_t{1} << 17;  // unless configured
@@ -55,7 +55,8 @@ class Run {
   // changed.
   void reset(Scheme& scheme, const RunConfig& config);
 
-  // Producer, before the first push: the stamp of the first event, which ties stamps to run time.
+  // Producer, before the first push: the timestamp of the first event, which ties timestamps to run
+  // time.
   void begin(std::int64_t first_us, double speed = 1.0) noexcept;
   const TimeAxis& axis() const noexcept { return axis_; }
 

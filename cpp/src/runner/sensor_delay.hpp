@@ -1,8 +1,9 @@
 // SensorDelay: how much longer than at best events take from the sensor to the pipeline. The two
-// clocks share no zero and run at different speeds, so the difference (arrival - stamp) is compared
-// with its own minimum over the last 5 to 10 seconds: a skew of 100 ppm is then worth less than a
-// millisecond, and no step of a wall clock matters. Reported only; no decision depends on it. The
-// producer's thread notes, any thread may read. Source: a running minimum, as clock filters use it.
+// clocks share no zero and run at different speeds, so the difference (arrival - timestamp) is
+// compared with its own minimum over the last 5 to 10 seconds: a skew of 100 ppm is then worth less
+// than a millisecond, and no step of a wall clock matters. Reported only; no decision depends on
+// it. The producer's thread notes, any thread may read. Source: a running minimum, as clock filters
+// use it.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +18,7 @@ class SensorDelay {
  public:
   static constexpr std::int64_t kWindowNs = 5'000'000'000;
 
-  // The newest event of a push: its stamp, and when it came on the host's steady clock.
+  // The newest event of a push: its timestamp, and when it came on the host's steady clock.
   void note(std::int64_t stamp_us, std::int64_t arrival_ns) noexcept {
     const std::int64_t difference_ns = arrival_ns - stamp_us * 1000;
     const bool is_first = window_start_ns_ == kNone;

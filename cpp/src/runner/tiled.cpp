@@ -381,8 +381,8 @@ class Bands::Impl {
   // The package in work.
   EventSpan events_;
   std::size_t package_ = 0;
-  std::int64_t latest_us_ = 0;          // stamp in the frame
-  std::atomic<bool> is_jagged_{false};  // for one thread: a stamp goes back, or far ahead
+  std::int64_t latest_us_ = 0;          // timestamp in the frame
+  std::atomic<bool> is_jagged_{false};  // for one thread: a timestamp goes back, or far ahead
 
   std::exception_ptr error_;  // of the thread that failed first
   std::atomic<bool> failed_{false};

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kMinGamma = 0.02;
 constexpr double kGammaRecovery = 1.02;    // per package
-constexpr std::int64_t kMinSpanNs = 2000;  // of a rate: stamps have 1 us
+constexpr std::int64_t kMinSpanNs = 2000;  // of a rate: timestamps have 1 us
 
 }  // namespace
 

@@ -1,4 +1,4 @@
-// GapMeter: the gap of a run, in us of the stamps: the longest time between two events in a row
+// GapMeter: the gap of a run, in us of the timestamps: the longest time between two events in a row
 // that got through, where at least one event between them was lost. The first and the last event
 // that came count as if they got through. A camera that was silent therefore makes no gap.
 //

@@ -9,7 +9,7 @@ constexpr std::int64_t kSlotUs = 1000;
 
 std::int64_t slot_of(std::int64_t stamp_us) noexcept { return floor_div(stamp_us, kSlotUs); }
 
-// Cuts the events before this stamp off the front.
+// Cuts the events before this timestamp off the front.
 EventSpan cut_before(std::int64_t end_us, EventSpan& events) noexcept {
   auto end = events.end();
   if (events.back().t >= end_us) {

@@ -1,7 +1,8 @@
-// SlotLog: what became of the events of each millisecond. One row per 1 ms slot of the stamps that
-// holds an event: how many came in, how many were delivered, and the largest latency. It answers
-// what a row per package cannot: gaps, and how long a disturbance lasted (notebooks/theory.md,
-// section 10). One thread; O(1) amortised per event or better; 32 bytes per slot that is not empty.
+// SlotLog: what became of the events of each millisecond. One row per 1 ms slot of the timestamps
+// that holds an event: how many came in, how many were delivered, and the largest latency. It
+// answers what a row per package cannot: gaps, and how long a disturbance lasted
+// (notebooks/theory.md, section 10). One thread; O(1) amortised per event or better; 32 bytes per
+// slot that is not empty.
 #pragma once
 
 #include <cstddef>

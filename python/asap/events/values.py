@@ -29,7 +29,7 @@ _FINE_EXPONENTS = {"ns": -3, "ps": -6, "fs": -9, "as": -12}  # units of datetime
 
 MAX = 2**63 - 1  # us
 HEAD = 1001  # events whose steps say something
-_SOME = 100  # stamps that tell a unit
+_SOME = 100  # timestamps that tell a unit
 _MAX_PER_US = 100  # more than any camera sends
 _LONG_US = 10_000  # between events of a camera
 _REMEDIES = {

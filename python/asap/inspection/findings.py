@@ -30,7 +30,7 @@ WRONG_HOT = 0.1
 MAX_LATE = 4  # late events per one that a run drops: of two packets that changed places
 ENOUGH = 100  # events, to expect both polarities
 
-_FAR = 0.1  # of the duration: if most events are later than that, one stamp before them is wrong
+_FAR = 0.1  # of the duration: if most events are later, one timestamp before them is wrong
 _COUNTER_BITS = (23, 24, 30, 31, 32)  # counters of cameras and formats, in us
 
 

@@ -22,7 +22,7 @@ from asap.inspection.result import BINS_FROM_US
 Integers = npt.NDArray[np.int64]
 
 _LAST_US = 1 << 52
-_MAX_STAMP_US = _LAST_US - (1 << 50)  # beyond it the core refuses a stamp
+_MAX_STAMP_US = _LAST_US - (1 << 50)  # beyond it the core refuses a timestamp
 
 GAP_US = 100_000  # so long without an event is a gap
 
@@ -56,7 +56,7 @@ class Tally:
 class Passed(NamedTuple):
     """The good events of a block."""
 
-    events: Events  #: stamps never go back: after a clock reset time continues; p is 0 or 1
+    events: Events  #: timestamps never go back: after a clock reset time continues; p is 0 or 1
     numbers: Integers  #: number of each in the source
     stamps: Integers  #: as the source has them
 
@@ -83,9 +83,9 @@ class BadEvents:
         self.odd_polarity = Tally()
         self.largest_back_step_us = 0
         self.largest_reset_us = 0
-        self.late = 0  # events that come after one with a later stamp, of the same epoch
+        self.late = 0  # events that come after one with a later timestamp, of the same epoch
         self.latest_us = 0  # by at most so much
-        self._newest_us: int | None = None  # of all stamps so far, the clock as it is now
+        self._newest_us: int | None = None  # of all timestamps so far, the clock as it is now
         self._last_us = 0
 
     def check(self, block: Events) -> Passed:
@@ -116,7 +116,7 @@ class BadEvents:
         before = np.searchsorted(kept, refused)
         stamps_us = t[refused] + offsets[before]
         steps_us = reached[before] - stamps_us
-        back = stamps_us <= _LAST_US  # else continued beyond the last stamp that there is
+        back = stamps_us <= _LAST_US  # else continued beyond the last timestamp that there is
         unreadable[refused[~back]] = True
         self.largest_back_step_us = max(self.largest_back_step_us, _largest(steps_us))
         resets = np.flatnonzero(np.diff(offsets))
