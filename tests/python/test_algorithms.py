@@ -78,25 +78,6 @@ def same(one: list[Any], other: list[Any]) -> bool:
     return repr(one) == repr(other)  # NaN too
 
 
-def test_the_stream_may_be_cut_anywhere_and_reset_starts_anew(make: Make) -> None:
-    events, algorithm = EVENTS[:20_000], make(WIDTH, HEIGHT)
-    whole = outcome(algorithm, events)
-    algorithm.process(np.array([(WIDTH, 0, 0, 10**9)], asap.EVENT_DTYPE))
-    assert algorithm.rejected == 1
-    algorithm.reset()
-    assert algorithm.rejected == 0
-    parts = [*np.array_split(events, 37), events[:0]]
-    assert same(outcome(algorithm, *parts), whole)
-
-
-def test_events_outside_the_frame_are_counted_and_change_nothing(make: Make) -> None:
-    outside = np.array([(20, 0, 0, 0), (0, 10, 0, 0), (65535, 65535, 0, 0)], asap.EVENT_DTYPE)
-    algorithm = make(20, 10)
-    algorithm.process(outside)
-    assert algorithm.rejected == 3
-    assert same(outcome(algorithm, outside[:0]), outcome(make(20, 10), outside[:0]))
-
-
 @pytest.mark.parametrize("bad", [-0.1, 1.1, float("nan")])
 def test_keep_is_checked(make: Make, bad: float) -> None:
     algorithm = make(WIDTH, HEIGHT)
@@ -166,6 +147,7 @@ BAD: list[tuple[Make, dict[str, Any]]] = [
     (asap.FeatureTracker, {"window": 0}),
     (asap.FeatureTracker, {"radius": -1}),
     (asap.FeatureTracker, {"min_neighbours": 8}),
+    (asap.FeatureTracker, {"window_us": -1}),
     (asap.FeatureTracker, {"velocity_us": 0}),
     (asap.BackgroundActivityFilter, {"window_us": -1}),
     (asap.BackgroundActivityFilter, {"window_us": 10**9}),

@@ -98,52 +98,6 @@ def test_native_includes_point_down() -> None:
     assert not up
 
 
-def test_public_headers_include_public_headers_only() -> None:
-    private = [
-        f"{name_of(path)} includes {header}"
-        for path in INCLUDE.rglob("*.hpp")
-        for header in includes(path)
-        if header.removeprefix("asap/") in HEADERS and not header.startswith("asap/")
-    ]
-    assert not private
-
-
-def test_includes_say_whether_a_header_is_public() -> None:
-    wrong = [
-        f"{name_of(path)} includes {header}"
-        for path in sources("cpp", "tests", *BINDINGS, suffixes=NATIVE)
-        for header in includes(path)
-        if (known := HEADERS.get(header.removeprefix("asap/"))) is not None
-        and known.is_relative_to(INCLUDE) != header.startswith("asap/")
-    ]
-    assert not wrong
-
-
-def test_native_code_knows_neither_python_nor_foreign_libraries() -> None:
-    foreign = [
-        f"{name_of(path)} includes {header}"
-        for path in sources("cpp", suffixes=NATIVE)
-        if not path.is_relative_to(NODES[0]) and not path.is_relative_to(NODES[1])
-        for header in includes(path)
-        if "/" in header
-        and header not in HEADERS
-        and not header.startswith(("asap/", "sys/", "linux/", "sanitizer/"))
-        and not (header.startswith("Eigen/") and path.is_relative_to(SOURCE / "algorithms"))
-    ]
-    assert not foreign
-
-
-def test_bindings_include_the_core_and_themselves_only() -> None:
-    allowed = ("asap/", "pybind11/")
-    foreign = [
-        f"{name_of(path)} includes {header}"
-        for path in sources(*BINDINGS, suffixes=NATIVE)
-        for header in includes(path)
-        if "/" in header and header not in HEADERS and not header.startswith(allowed)
-    ]
-    assert not foreign
-
-
 def module_of(path: Path) -> str:
     parts = path.relative_to(PYTHON_ROOT).with_suffix("").parts
     return ".".join(parts).removesuffix(".__init__")

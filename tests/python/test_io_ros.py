@@ -353,17 +353,6 @@ class TestDamage:
         except (ValueError, OSError) as error:
             assert str(error)
 
-    def test_what_is_before_damage_in_a_chunk_is_kept(self, tmp_path: Path) -> None:
-        types, path = Types("rosbag1"), tmp_path / "events.bag"
-        write_bag(path, types, packets(types, EVENTS, 20))
-        content = bytearray(path.read_bytes())
-        at = content.index(packets(types, EVENTS, 20)[10][1][1])  # behind the head of a record
-        content[at - 28 : at] = b"\xff" * 28
-        path.write_bytes(content)
-        events, rec = read_all(path)
-        assert_equal_events(events, EVENTS[:500])
-        assert rec.truncated_at is not None
-
 
 class TestRecordings:
     def test_one_in_two_containers(self) -> None:

@@ -31,21 +31,6 @@ def push_all(pipeline, events, chunk=500):
     return thread
 
 
-def test_delivers_what_another_thread_pushes():
-    events = streams.poisson(1e6, 0.2)
-    with asap.Pipeline(**AN_HOUR, width=346, height=260) as pipeline:
-        camera = push_all(pipeline, events)
-        packages = [(package.index, package.events.copy()) for package in pipeline]
-        camera.join()
-    assert [index for index, _ in packages] == list(range(len(packages)))
-    assert np.concatenate([part for _, part in packages]).tolist() == events.tolist()
-    assert dict(pipeline.ledger) == {
-        **dict.fromkeys(pipeline.ledger, 0),
-        "received": events.size,
-        "delivered": events.size,
-    }
-
-
 def test_a_package_says_what_it_is():
     pipeline = asap.Pipeline(
         scheme=asap.FixedSize(size=10),
@@ -76,14 +61,6 @@ def test_the_loop_body_is_what_is_measured():
     assert 50e3 <= rows["processing_us"][0] <= stats["latency_us"]["max"] < took_us + 1e3
     share = rows["processing_us"][0] / (1e6 * stats["source"]["duration_s"])
     assert stats["cpu"] == pytest.approx(share, rel=1e-4)  # a duration of whole us
-
-
-def test_an_age_counts_from_the_arrival_time():
-    pipeline = asap.Pipeline(scheme=asap.Greedy())
-    pipeline.push(streams.make([10**12]), arrival_time=time.monotonic() - 3)
-    pipeline.stop()
-    list(pipeline)
-    assert 3e6 <= pipeline.stats()["latency_us"]["max"] < 30e6
 
 
 @pytest.mark.parametrize("t", [[1], []])
@@ -148,16 +125,6 @@ def test_when_full(when_full, overflow, first, last):
     assert pipeline.ledger.overflow == overflow
     assert stamps[:500].tolist() == list(range(first, first + 500))
     assert stamps[-1] == last if last else stamps[-1] > 2000 and pipeline.ledger.discarded > 4000
-
-
-def test_when_full_push_waits():
-    with asap.Pipeline(scheme=asap.Greedy(), capacity=1000, when_full="block") as pipeline:
-        camera = push_all(pipeline, streams.make(np.arange(5000)), chunk=5000)
-        stamps = np.concatenate([package.events["t"] for package in pipeline])
-        camera.join()
-    assert stamps.tolist() == list(range(5000))
-    assert pipeline.packages["size"].max() <= 1000
-    assert pipeline.ledger.overflow == 0
 
 
 def test_a_ring_that_cannot_be_had_names_the_field():
@@ -291,19 +258,6 @@ def test_a_consumer_that_stays_away_is_a_stall():
     assert pipeline.state == pipeline.stats()["state"] == "stopped"
 
 
-def test_sensor_delay_is_what_comes_later_than_at_best():
-    pipeline = asap.Pipeline()
-    now = time.monotonic() - 10
-    for stamp_us, arrival in [(0, now), (1_000_000, now + 1), (2_000_000, now + 2.25)]:
-        pipeline.push(streams.make([stamp_us]), arrival_time=arrival)
-    delay = pipeline.stats()["sensor_delay_us"]
-    assert delay["last"] == delay["max"] == pytest.approx(250_000, abs=1)
-    pipeline.push(streams.make([3_000_000]), arrival_time=now + 3)
-    delay = pipeline.stats()["sensor_delay_us"]
-    assert delay["last"] == pytest.approx(0, abs=1)
-    assert delay["max"] == pytest.approx(250_000, abs=1)
-
-
 def test_the_log_is_there_when_the_run_is_over():
     pipeline = asap.Pipeline(scheme=asap.FixedSize(size=10), latency_ms=1e4)
     pipeline.push(streams.make(np.arange(200_000)))
@@ -318,13 +272,3 @@ def test_the_log_is_there_when_the_run_is_over():
     pipeline.start()
     pipeline.stop()
     assert (pipeline.packages.size, rows.size) == (0, 16_384)
-
-
-def test_the_scheme_s_bound_follows():
-    scheme = asap.Deadline(latency_ms=20)
-    pipeline = asap.Pipeline(scheme=scheme)
-    pipeline.set_latency(5)
-    pipeline.push(streams.make([1]))
-    pipeline.stop()
-    list(pipeline)
-    assert scheme.parameters["latency_ms"] == 5

@@ -491,20 +491,6 @@ def test_loading_gives_what_iterating_gives(
     assert_equal_events(np.concatenate(list(opened)), expected)
 
 
-def test_hdf5_that_is_written_reads_back(tmp_path: Path) -> None:
-    pytest.importorskip("h5py")
-    events = clean_events(200_000)
-    path = tmp_path / "events.h5"
-    assert asap.convert(events, path, width=346, height=260) == len(events)
-    opened = asap.read(path)
-    assert (opened.width, opened.height) == (346, 260)
-    assert_equal_events(asap.load(path), events)
-    asap.convert(path, tmp_path / "part.h5", start=0.1, stop=0.2)
-    elapsed_us = events["t"] - events["t"][0]
-    inside = (elapsed_us >= 100_000) & (elapsed_us < 200_000)
-    assert_equal_events(asap.load(tmp_path / "part.h5"), events[inside])
-
-
 def test_the_index_of_dsec_is_as_its_loader_reads_it(tmp_path: Path) -> None:
     h5py = pytest.importorskip("h5py")
     events = clean_events(200_000)
@@ -596,11 +582,3 @@ def test_whole_stamps_that_may_be_ns_are_asked(suffix: str, tmp_path: Path) -> N
         with pytest.raises(ValueError, match=r"time_unit = None: .* multiples of 1000"):
             way(source)
         assert_equal_events(way(source, time_unit="ns"), EVENTS)
-
-
-def test_whole_us_in_a_column_of_floats_are_asked(tmp_path: Path) -> None:
-    path = tmp_path / "events.csv"
-    path.write_text("".join(f"{12_346_578 + i}.0,300,60,1\n" for i in range(9)))
-    with pytest.raises(ValueError, match=r"time_unit = None: .* written as floats"):
-        asap.load(path)
-    assert asap.load(path, time_unit="us")["t"][0] == 12_346_578

@@ -97,19 +97,6 @@ def test_a_quiet_scene_is_flushed_within_the_bound():
     assert sizes[-1] == 1
 
 
-def test_a_slow_algorithm_overflows_and_is_counted():
-    events = streams.poisson(1e6, 0.2)
-    run = asap.run(
-        events,
-        algorithm=lambda events: time.sleep(0.02),
-        scheme=asap.FixedSize(size=100),
-        capacity=1024,
-    )
-    assert run.ledger.overflow > 0
-    assert run.ledger.balanced
-    assert run.packages["overflow"].sum() <= run.ledger.overflow
-
-
 def test_the_backlog_of_a_stall_does_not_stay():
     stalled, since = [], []
 
@@ -175,16 +162,6 @@ def test_exception_of_the_algorithm_comes_out_unchanged():
     assert run.ledger.balanced
     assert run.ledger.delivered == 0
     assert run.ledger.pending > 0
-
-
-def test_stops_at_once_though_the_next_event_is_an_hour_away():
-    def algorithm(events):
-        raise RuntimeError("enough")
-
-    began = time.monotonic()
-    with pytest.raises(RuntimeError, match="enough"):
-        asap.run(streams.make([0, 3_600_000_000]), algorithm=algorithm, scheme=asap.Greedy())
-    assert time.monotonic() - began < 60
 
 
 def test_progress_is_reported():

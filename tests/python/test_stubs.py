@@ -5,18 +5,15 @@ from __future__ import annotations
 import ast
 import inspect
 import operator
-import os
 import re
-import sys
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import pytest
 
 import asap
 from asap import _core
-from house import ROOT, run
+from house import ROOT
 
 STUB = ast.parse((ROOT / "python" / "asap" / "_core.pyi").read_text())
 
@@ -44,20 +41,6 @@ def test_lazy_modules_are_imported_and_getattr_hidden_for_the_type_checker() -> 
     assert "__getattr__" not in functions
     with pytest.raises(AttributeError, match="'simulat'"):
         asap.simulat  # noqa: B018
-
-
-@pytest.mark.slow
-@pytest.mark.full
-def test_type_checker_knows_the_lazy_modules_and_no_other_name(tmp_path: Path) -> None:
-    pytest.importorskip("mypy")
-    uses = "import asap\n\nasap.synthetic.joined([])\nasap.check\nasap.simulat\n"
-    (tmp_path / "uses.py").write_text(uses)
-    environment = {**os.environ, "MYPYPATH": str(ROOT / "python")}
-    command = [sys.executable, "-m", "mypy", "--strict", "uses.py"]
-    found = run(command, cwd=tmp_path, env=environment, check=False).splitlines()
-    assert [line for line in found if line.startswith("uses.py")] == [
-        'uses.py:5: error: Module has no attribute "simulat"; maybe "simulate"?  [attr-defined]'
-    ]
 
 
 def signature(function: ast.FunctionDef) -> Signature:
