@@ -16,8 +16,6 @@
 #include <utility>
 #include <vector>
 
-#include "asap/runner/simulator.hpp"
-#include "asap/schemes/deadline.hpp"
 #include "ros/bridge/package_writer.hpp"
 #include "ros/some_events.hpp"
 #include "support/errors.hpp"
@@ -521,39 +519,6 @@ TEST(Session, AnotherBoundHoldsFromNowOn) {
   EXPECT_EQ(fixture.session.stats().latency_bound_ns, 30'000'000);
   EXPECT_NE(test::error_of([&] { fixture.session.set({.latency_ms = -1}); }), "nothing was thrown");
   EXPECT_EQ(fixture.session.stats().latency_bound_ns, 30'000'000);
-}
-
-// The bridge adds and loses nothing: in virtual time its events make the same packages.
-TEST(Session, MakesThePackagesOfTheEventsThemselves) {
-  const auto packages_of = [](auto&& feed) {
-    Deadline scheme;
-    std::vector<std::pair<std::int64_t, std::size_t>> packages;
-    Simulator simulator(scheme, LinearCost{{.alpha_us = 100, .beta_ns = 3'000}}, {},
-                        [&](const Package& package) {
-                          packages.emplace_back(package.t_first(), package.events.size());
-                        });
-    feed(simulator);
-    simulator.finish();
-    return packages;
-  };
-  const Events events = test::some_events(50'000);
-  PackageWriter writer("evt3");
-  PacketReader reader;
-  std::vector<std::uint8_t> bytes;
-  const auto direct = packages_of([&](Simulator& simulator) { simulator.feed(events); });
-  const auto bridged = packages_of([&](Simulator& simulator) {
-    for (std::uint64_t i = 0; i < 50; ++i) {
-      writer.write(EventSpan(events).subspan(i * 1'000, 1'000), bytes);
-      const Packet packet{.sensor = {640, 480},
-                          .seq = i,
-                          .encoding = "evt3",
-                          .bytes = std::as_bytes(std::span(bytes))};
-      reader.see(packet);
-      reader.decode(packet, [&](EventSpan block) { simulator.feed(block); });
-    }
-  });
-  EXPECT_GT(direct.size(), 20u);
-  EXPECT_EQ(direct, bridged);
 }
 
 }  // namespace
