@@ -2,9 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <atomic>
 #include <cstdint>
-#include <thread>
 #include <vector>
 
 #include "core/random.hpp"
@@ -79,36 +77,6 @@ TEST(ArrivalTimes, AFullTableGoesOnWithItsLastStep) {
   times.release(index - 1);
   times.note(index, now += 10);
   EXPECT_EQ(times.of(index), now);
-}
-
-TEST(ArrivalTimes, AreReadByAnotherThread) {
-  constexpr std::uint64_t kEvents = 400'000;
-  ArrivalTimes times(7);
-  std::atomic<std::uint64_t> tail{0};  // the ring's
-  std::jthread producer([&] {
-    const CounterRandom random(3);
-    std::int64_t now = 0;
-    std::uint64_t draw = 0;
-    for (std::uint64_t i = 0; i < kEvents;) {
-      now += static_cast<std::int64_t>(random(draw++) % 10);
-      times.note(i, now);
-      i += random(draw++) % 5;  // none, when the ring is full
-      tail.store(i, std::memory_order_release);
-    }
-  });
-  std::int64_t last = 0;
-  for (std::uint64_t head = 0; head < kEvents;) {
-    const std::uint64_t end = tail.load(std::memory_order_acquire);
-    if (end == head) continue;
-    const std::int64_t first_ns = times.of(head);
-    ASSERT_GE(first_ns, last);
-    last = times.of(end - 1);
-    ASSERT_GE(last, first_ns);
-    ASSERT_EQ(times.before(last + 1, head, end - head), end - head);
-    ASSERT_EQ(times.before(first_ns, head, end - head), 0u);
-    head = end;
-    times.release(head);
-  }
 }
 
 TEST(ArrivalTimes, RefusesAStepOutOfRange) {

@@ -3,11 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdint>
 #include <deque>
 #include <limits>
-#include <thread>
 #include <vector>
 
 #include "core/random.hpp"
@@ -123,86 +121,6 @@ TEST(EventBuffer, RefusesACapacityThatCannotBe) {
             "capacity = 18446744073709551614: must be between 1 and 2^40 events");
   EXPECT_EQ(error(EventBuffer::kMaxCapacity + 1),
             "capacity = 1099511627777: must be between 1 and 2^40 events");
-}
-
-// Threads meet only where the scheduler lets them: random pauses make them meet everywhere.
-void pause(std::uint64_t bits) {
-  if (bits % 8 == 0) std::this_thread::yield();
-  if (bits % 512 == 0) {
-    std::this_thread::sleep_for(std::chrono::microseconds((bits >> 16) % 10));
-  }
-}
-
-class EventBufferOnTwoThreads : public testing::TestWithParam<std::size_t> {};
-INSTANTIATE_TEST_SUITE_P(, EventBufferOnTwoThreads, testing::Values(1, 2, 3, 4, 7, 32, 1000));
-
-template <class Buffer>
-void lose_double_and_tear_nothing(std::size_t capacity) {
-  constexpr std::uint64_t kEvents = 100'000;
-  Buffer buffer(capacity, kNearTheEnd);
-  std::thread producer([&] {
-    const CounterRandom random(1);
-    Events batch;
-    std::uint64_t next = 0;
-    for (std::uint64_t round = 0; next < kEvents; ++round) {
-      const std::uint64_t bits = random(round);
-      batch.clear();
-      const std::uint64_t size = std::min(1 + bits % (capacity + 1), kEvents - next);
-      for (std::uint64_t i = 0; i < size; ++i) {
-        batch.push_back(numbered(next + i, static_cast<std::int64_t>(~(next + i))));
-      }
-      const std::size_t taken = buffer.push(batch);
-      next += taken;  // what did not fit is offered again
-      if (taken == 0) std::this_thread::yield();
-      pause(bits >> 20);
-    }
-    buffer.close();
-  });
-
-  const CounterRandom random(2);
-  std::uint64_t next = 0;
-  for (std::uint64_t round = 0;; ++round) {
-    const std::uint64_t bits = random(round);
-    const bool closed = buffer.closed();
-    const EventPieces pieces = buffer.peek(1 + bits % (capacity + 1));
-    if (pieces.size() == 0 && closed) break;
-    for (std::size_t i = 0; i < pieces.size(); ++i) {
-      ASSERT_EQ(pieces[i], numbered(next, static_cast<std::int64_t>(~next)));
-      ++next;
-    }
-    pause(bits >> 20);
-    buffer.consume(pieces.size());
-    if (pieces.size() == 0) std::this_thread::yield();
-  }
-  producer.join();
-  EXPECT_EQ(next, kEvents);
-}
-
-TEST_P(EventBufferOnTwoThreads, NothingIsLostDoubledOrTorn) {
-  lose_double_and_tear_nothing<EventBuffer>(GetParam());
-}
-
-TEST_P(EventBufferOnTwoThreads, NothingIsLostDoubledOrTornWhereItGoesBackToTheFirstSlot) {
-  lose_double_and_tear_nothing<RestlessBuffer>(GetParam());
-}
-
-TEST(EventBuffer, AfterClosedOneMorePeekSeesEverything) {
-  constexpr int kRounds = 20'000;
-  const Events events = evenly_spaced(3, 1);
-  std::deque<EventBuffer> buffers;
-  for (int i = 0; i < kRounds; ++i) buffers.emplace_back(std::size_t{4});
-  std::thread producer([&] {
-    for (EventBuffer& buffer : buffers) {
-      buffer.push(EventSpan(events).first(1));
-      buffer.push(EventSpan(events).last(2));
-      buffer.close();
-    }
-  });
-  for (EventBuffer& buffer : buffers) {
-    while (!buffer.closed()) std::this_thread::yield();
-    ASSERT_EQ(waiting_in(buffer), (Numbers{0, 1, 2}));
-  }
-  producer.join();
 }
 
 }  // namespace

@@ -93,14 +93,6 @@ TEST(RunLog, ABoundedOneKeepsTheNewestRowsAndExactTotals) {
   EXPECT_EQ(log.totals().gamma_min, 5.0 / 80.0) << "of a row that has gone";
 }
 
-TEST(RunLog, ABoundOfNoneKeepsTheTotals) {
-  RunLog log(0);
-  for (std::int64_t i = 0; i < 5; ++i) log.append(record(1000 * i));
-  EXPECT_EQ(log.size(), 5u);
-  EXPECT_EQ(log.first(), 5u);
-  EXPECT_EQ(log.totals().count, 5u);
-}
-
 TEST(RunLog, ABoundThatMemoryCannotGiveIsRefusedByName) {
   try {
     RunLog log(RunLog::kAllRows - 1);
