@@ -36,41 +36,6 @@ void append_special(Bytes& bytes, unsigned type, unsigned t = 7, unsigned valid 
   append_little(bytes, t, 4);
 }
 
-// Polarity packets with special and unknown ones between them.
-std::pair<Bytes, Events> random_stream(std::size_t packets) {
-  const CounterRandom random(3);
-  Bytes bytes;
-  Events events;
-  std::uint64_t index = 0;
-  for (std::size_t i = 0; i < packets; ++i) {
-    const auto count = static_cast<unsigned>(random(index++) % 20);
-    append_packet(bytes, {.overflows = static_cast<unsigned>(i / 4), .events = count});
-    for (unsigned n = 0; n < count; ++n) {
-      const std::uint64_t bits = random(index++);
-      const auto x = static_cast<unsigned>(bits & 0x7fff),
-                 y = static_cast<unsigned>(bits >> 15 & 0x7fff);
-      const auto p = static_cast<unsigned>(bits >> 30 & 1);
-      const auto t = static_cast<unsigned>(bits >> 31 & 0x7fff'ffff);
-      const unsigned valid = bits >> 62 != 0;
-      append_event(bytes, x, y, p, t, valid);
-      if (valid == 0) continue;
-      events.push_back({static_cast<std::uint16_t>(x), static_cast<std::uint16_t>(y),
-                        static_cast<std::int16_t>(p),
-                        (static_cast<std::int64_t>(i / 4) << 31) + t});
-    }
-    if (i % 3 == 0) {
-      append_packet(bytes, {.type = 0, .events = 2, .valid = 2});
-      append_special(bytes, 2);
-      append_special(bytes, 0);
-    }
-    if (i % 5 == 0) {
-      append_packet(bytes, {.type = 3, .event_size = 36, .events = 2});
-      bytes.resize(bytes.size() + 72, std::byte{0x5a});
-    }
-  }
-  return {bytes, events};
-}
-
 TEST(Aedat3Decoder, DecodesEveryField) {
   Bytes bytes;
   append_packet(bytes, {.overflows = 3, .events = 3, .valid = 2});
@@ -114,14 +79,6 @@ TEST(Aedat3Decoder, TakesTheSourceThatIsAskedFor) {
   EXPECT_EQ(events_of(Aedat3Decoder(), bytes).size(), 2u);
   EXPECT_EQ(events_of(Aedat3Decoder({.source = 1}), bytes), (Events{{7, 8, 0, 9}}));
   EXPECT_THROW(Aedat3Decoder({.source = -2}), std::invalid_argument);
-}
-
-TEST(Aedat3Decoder, IsTheSameHoweverTheBytesAreCut) {
-  const auto [bytes, truth] = random_stream(80);
-  EXPECT_EQ(events_of(Aedat3Decoder(), bytes), truth);
-  expect_cuts_and_room_make_no_difference(Aedat3Decoder(), bytes);
-  expect_truncation_gives_a_prefix(Aedat3Decoder(), bytes);
-  expect_no_allocation(Aedat3Decoder(), bytes);
 }
 
 TEST(Aedat3Decoder, AFileCutBetweenTwoEventsOfAPacketIsCut) {

@@ -52,12 +52,19 @@ Bytes some_bytes(std::size_t count = 5000) {
     for (std::uint64_t i = 0; i < count; ++i) decoding::append(bytes, "1,2,3,1\n");
     return bytes;
   } else if constexpr (std::is_same_v<Decoder, Aedat3Decoder>) {
+    constexpr std::uint64_t kPackets = 20;
+    const std::uint64_t size = count / kPackets;
     Bytes bytes;
-    for (const std::uint64_t field : {std::uint64_t{1} << 16 | 1, std::uint64_t{8},
-                                      std::uint64_t{4}, std::uint64_t{0}, count, count, count}) {
-      decoding::append_little(bytes, field, 4);
+    for (std::uint64_t packet = 0; packet < kPackets; ++packet) {
+      const std::uint64_t type = packet % 5 == 2 ? 0 : packet % 5 == 3 ? 3 : 1;  // mostly polarity
+      for (const std::uint64_t field : {std::uint64_t{1} << 16 | type, std::uint64_t{8},
+                                        std::uint64_t{4}, packet / 4, size, size, size}) {
+        decoding::append_little(bytes, field, 4);
+      }
+      for (std::uint64_t i = 0; i < size; ++i) {
+        decoding::append_little(bytes, i << 32 | (type == 0 ? 5 : 7), 8);  // triggers, or events
+      }
     }
-    for (std::uint64_t i = 0; i < count; ++i) decoding::append_little(bytes, i << 32 | 7, 8);
     return bytes;
   } else if constexpr (std::is_same_v<Decoder, Evt2Decoder>) {
     return some_words(count, 4, {0, 0, 1, 1, 0, 1, 8, 10, 2});

@@ -37,32 +37,6 @@ Bytes joined(std::initializer_list<Bytes> parts) {
   return bytes;
 }
 
-// Random events with overflows and padding between them, and the truth.
-std::pair<Bytes, Events> random_stream(int version, std::size_t count) {
-  const CounterRandom random(static_cast<std::uint64_t>(version));
-  Bytes bytes;
-  Events events;
-  std::int64_t t = 0;
-  const unsigned longest = version == 1 ? 15 : 127;
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::uint64_t bits = random(i);
-    for (std::uint64_t n = bits % 8 == 0 ? bits >> 3 & 3 : 0; n > 0; --n) {
-      append(bytes, {0xff});
-      t += version == 1 ? 15 * 15 : 127;
-    }
-    if (bits >> 5 & 1) append(bytes, {version == 1 ? 0x0fu : 0xfeu});
-    const auto step = static_cast<unsigned>((bits >> 8) % longest);
-    const auto p = static_cast<unsigned>(bits >> 20 & 1);
-    const auto x = static_cast<unsigned>(bits >> 24 & (version == 1 ? 0x3ff : 0xffff));
-    const auto y = static_cast<unsigned>(bits >> 44 & (version == 1 ? 0x1ff : 0xffff));
-    bytes = joined({bytes, version == 1 ? record1(step, p, x, y) : record2(step, p, x, y)});
-    t += step;
-    events.push_back({static_cast<std::uint16_t>(x), static_cast<std::uint16_t>(kHeight - 1 - y),
-                      static_cast<std::int16_t>(p), t});
-  }
-  return {bytes, events};
-}
-
 TEST(EventStreamDecoder, DecodesVersion2) {
   Bytes bytes = joined({record2(3, 1, 345, 259), record2(0, 0, 0xffff, 0xfffe)});
   append(bytes, {0xff, 0xff, 0xfe});
@@ -77,23 +51,6 @@ TEST(EventStreamDecoder, DecodesVersion1) {
   bytes = joined({bytes, record1(1, 1, 5, 6)});
   EXPECT_EQ(events_of(EventStreamDecoder({.version = 1, .height = 240}), bytes),
             (Events{{303, 0, 1, 3}, {1023, 0xfef0, 0, 17}, {5, 233, 1, 17 + 30 + 225 + 1}}));
-}
-
-TEST(EventStreamDecoder, DecodesRandomStreams) {
-  for (const int version : {1, 2}) {
-    const auto [bytes, truth] = random_stream(version, 10'000);
-    EXPECT_EQ(events_of(decoder_of(version), bytes), truth);
-  }
-}
-
-TEST(EventStreamDecoder, IsTheSameHoweverTheBytesAreCut) {
-  for (const int version : {1, 2}) {
-    const auto [bytes, truth] = random_stream(version, 800);
-    const EventStreamDecoder decoder = decoder_of(version);
-    expect_cuts_and_room_make_no_difference(decoder, bytes);
-    expect_truncation_gives_a_prefix(decoder, bytes);
-    expect_no_allocation(decoder, bytes);
-  }
 }
 
 TEST(EventStreamDecoder, ConsumesWhatNeedsNoRoom) {

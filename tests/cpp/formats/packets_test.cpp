@@ -86,14 +86,6 @@ class Packets : public testing::Test {};
 using Decoders = testing::Types<MonoDecoder, LibcaerDecoder, LibcaerCmpDecoder>;
 TYPED_TEST_SUITE(Packets, Decoders);
 
-TYPED_TEST(Packets, StopsWithoutRoom) {
-  const Bytes bytes = random_message<TypeParam>(3, 700);
-  auto decoder = begun<TypeParam>();
-  Events events(TypeParam::kMaxPerRecord - 1);
-  EXPECT_EQ(decoder.decode(bytes, std::span(events)), Progress{});
-  EXPECT_EQ(decode(decoder, bytes), decode<TypeParam>(bytes));
-}
-
 TYPED_TEST(Packets, ARecordCutByTheNextMessageIsBad) {
   const Bytes bytes = random_message<TypeParam>(5, 10);
   TypeParam decoder({.first_offset = 100});
