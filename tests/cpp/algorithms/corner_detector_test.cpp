@@ -40,12 +40,6 @@ TEST(CornerDetector, GoldenVectors) {
   expect_golden<FAHarris>(71, 0x9a2dab8eU);
 }
 
-TEST(CornerDetector, TheDefinitionTestsAsManyEventsAsTheRelease) {
-  test::NaiveArcStar naive(346, 260);
-  for (const Event& event : test::golden_corner_stream()) naive.update(event);
-  EXPECT_EQ(naive.tested(), 163'776U);
-}
-
 // At least `least` corners in every wild stream that has room for them.
 template <class Detector, class Naive, class... Parameters>
 void expect_the_definition(typename Detector::Config config, std::size_t count, std::int64_t least,
@@ -78,21 +72,6 @@ TEST(CornerDetector, AgreesWithTheDefinition) {
   for (const double threshold : {8.0, 1.5}) {
     expect_the_definition<EHarris, test::NaiveEHarris>(
         {.width = 0, .height = 0, .threshold = threshold}, 6000, 5, threshold);
-  }
-}
-
-// Every pixel of a frame in turn: all windows are full, and the threshold lets all of them through.
-TEST(CornerDetector, EHarrisTestsOneColumnAndOneRowMoreThanTheRings) {
-  std::vector<Event> events;
-  for (int round = 0; round < 2; ++round) {
-    for (std::uint16_t y = 0; y < 12; ++y) {
-      for (std::uint16_t x = 0; x < 15; ++x) events.push_back({.x = x, .y = y, .p = 0, .t = 0});
-    }
-  }
-  const Labels labels = labels_of(EHarris({.width = 15, .height = 12, .threshold = -1e9}), events);
-  for (std::size_t i = 180; i < events.size(); ++i) {
-    const auto [x, y, p, t] = events[i];
-    EXPECT_EQ(labels[i] != 0, 4 <= x && x <= 11 && 4 <= y && y <= 8) << x << ' ' << y;
   }
 }
 

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <numeric>
 #include <vector>
 
@@ -25,41 +24,6 @@ std::vector<int> values_of(const Surface& surface) {
   std::vector<typename Surface::Value> values(static_cast<std::size_t>(width * height));
   surface.copy_to(values);
   return {values.begin(), values.end()};
-}
-
-template <class Surface>
-class AnySurface : public testing::Test {
- protected:
-  static const std::vector<Event>& stream() {
-    static const auto events = asap::test::golden_corner_stream(20'000);
-    return events;
-  }
-  Surface surface_{{.width = 346, .height = 260}};
-};
-
-using Surfaces = testing::Types<asap::ThresholdOrdinalSurface, asap::SpeedInvariantTimeSurface>;
-TYPED_TEST_SUITE(AnySurface, Surfaces);
-
-TYPED_TEST(AnySurface, TheNewestPixelIsAtTheTop) {
-  this->surface_.process(this->stream());
-  const auto values = values_of(this->surface_);
-  const Event& newest = this->stream().back();
-  EXPECT_EQ(this->surface_.at(newest.x, newest.y), *std::max_element(values.begin(), values.end()));
-  EXPECT_EQ(this->surface_.at(newest.x, newest.y), values[newest.y * 346U + newest.x]);
-}
-
-TYPED_TEST(AnySurface, OnlyTheOrderCounts) {
-  auto odd = this->stream();
-  constexpr std::int64_t kStamps[] = {0, -1, std::numeric_limits<std::int64_t>::max(),
-                                      std::numeric_limits<std::int64_t>::min()};
-  for (std::size_t i = 0; i < odd.size(); ++i) {
-    odd[i].t = kStamps[i % 4];
-    odd[i].p = static_cast<std::int16_t>(i);
-  }
-  TypeParam other{this->surface_.config()};
-  other.process(odd);
-  this->surface_.process(this->stream());
-  EXPECT_EQ(values_of(other), values_of(this->surface_));
 }
 
 template <class Surface>

@@ -9,12 +9,10 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
-#include <stdexcept>
 #include <vector>
 
 #include "asap/filter/gamma_filter.hpp"
 #include "study/scenes/moving_shapes.hpp"
-#include "support/allocation_counter.hpp"
 
 namespace motion_segmenter_test {
 namespace {
@@ -57,16 +55,6 @@ Events events_of(const asap::MovingShapesConfig& config) {
 const Events& moving() {
   static const Events events = events_of(scene(true, true));
   return events;
-}
-
-bool same(const std::vector<TrackedObject>& a, const std::vector<TrackedObject>& b) {
-  return std::equal(
-      a.begin(), a.end(), b.begin(), b.end(), [](const TrackedObject& u, const TrackedObject& v) {
-        return u.id == v.id && u.x == v.x && u.y == v.y && u.vx == v.vx && u.vy == v.vy &&
-               u.left == v.left && u.top == v.top && u.width == v.width && u.height == v.height &&
-               u.size == v.size && u.t_last == v.t_last && u.age_us == v.age_us &&
-               u.independent == v.independent;
-      });
 }
 
 // The events of the first `us`.
@@ -175,25 +163,6 @@ TEST(MotionSegmenter, DoesNotKnowTheMotionAlongEdgesOfOneDirection) {
   EXPECT_FALSE(found.camera_motion());
 }
 
-TEST(MotionSegmenter, HasNothingToSayAboutNothing) {
-  auto found = segmenter();
-  EXPECT_TRUE(found.objects().empty());
-  EXPECT_TRUE(found.objects_at(5).empty());
-  EXPECT_FALSE(found.camera_motion());
-  found.process(until(moving(), 3'000));
-  EXPECT_FALSE(found.camera_motion());
-}
-
-TEST(MotionSegmenter, ForgetsInASilence) {
-  auto found = segmenter();
-  found.process(until(moving(), 250'000));
-  ASSERT_EQ(found.objects().size(), 1U);
-  constexpr std::int64_t kHour_us = 3'600'000'000;
-  found.process(Events{{.x = 3, .y = 3, .p = 1, .t = 1000 * kHour_us}});
-  EXPECT_TRUE(found.objects().empty());
-  EXPECT_FALSE(found.camera_motion());
-}
-
 TEST(MotionSegmenter, UnknownTurnsIndependentToMinusOne) {
   auto found = segmenter();
   found.process(until(moving(), 250'000));
@@ -203,58 +172,6 @@ TEST(MotionSegmenter, UnknownTurnsIndependentToMinusOne) {
   found.process(Events{{.x = 3, .y = 3, .p = 1, .t = 271'000}});
   ASSERT_EQ(found.objects().size(), 1U);
   EXPECT_EQ(found.objects().front().independent, -1);
-}
-
-TEST(MotionSegmenter, DoesNotDependOnTheCutAndResetStartsAnew) {
-  auto whole = segmenter();
-  whole.process(moving());
-  ASSERT_FALSE(whole.objects().empty());
-  auto cut = segmenter();
-  for (const std::size_t size : {1U, 7U, 255U, 256U, 257U, 5000U}) {
-    cut.reset();
-    for (EventSpan rest = moving(); !rest.empty(); rest = rest.subspan(std::min(size, rest.size())))
-      cut.process(rest.first(std::min(size, rest.size())));
-    EXPECT_TRUE(same(cut.objects(), whole.objects())) << size;
-    EXPECT_EQ(cut.camera_motion()->vx, whole.camera_motion()->vx) << size;
-  }
-}
-
-TEST(MotionSegmenter, TakesAnyStamps) {
-  auto whole = segmenter();
-  whole.process(moving());
-  for (const std::int64_t begin : {std::numeric_limits<std::int64_t>::min(),
-                                   std::numeric_limits<std::int64_t>::max() - 2 * kDuration_us}) {
-    Events shifted = moving();
-    const std::int64_t first = shifted.front().t;
-    for (Event& event : shifted) event.t = begin + (event.t - first);
-    auto found = segmenter();
-    found.process(shifted);
-    const auto objects = found.objects();
-    ASSERT_EQ(objects.size(), whole.objects().size());
-    EXPECT_EQ(objects.front().x, whole.objects().front().x);
-    EXPECT_EQ(objects.front().t_last - begin, whole.objects().front().t_last - first);
-    const Event far{.x = 1, .y = 1, .p = 1, .t = std::numeric_limits<std::int64_t>::max()};
-    found.process({&far, 1});
-    EXPECT_TRUE(found.objects().empty());
-  }
-  Events back = moving();
-  for (std::size_t i = 0; i < back.size(); i += 3) back[i].t -= 5'000;
-  auto found = segmenter();
-  found.process(back);
-  for (const TrackedObject& object : found.objects()) EXPECT_TRUE(std::isfinite(object.x));
-}
-
-TEST(MotionSegmenter, AllocatesNothingAfterConstruction) {
-  auto found = segmenter();
-  std::vector<TrackedObject> objects;
-  objects.reserve(64);
-  const Events& events = moving();
-  const std::size_t before = asap::test::allocations();
-  found.process(events);
-  found.objects(objects);
-  static_cast<void>(found.camera_motion());
-  EXPECT_EQ(asap::test::allocations(), before);
-  EXPECT_FALSE(objects.empty());
 }
 
 TEST(MotionSegmenter, ToldTheKeptFractionItKnowsMoreOften) {
@@ -271,15 +188,6 @@ TEST(MotionSegmenter, ToldTheKeptFractionItKnowsMoreOften) {
     }
   }
   EXPECT_GT(known[1], known[0]);
-  auto found = segmenter();
-  EXPECT_THROW(found.set_gamma(1.1), std::invalid_argument);
-}
-
-TEST(MotionSegmenter, CountsEventsOutsideTheFrame) {
-  auto found = segmenter();
-  found.process(
-      Events{{.x = kWidth, .y = 0, .p = 1, .t = 5}, {.x = 0, .y = kHeight, .p = 0, .t = 6}});
-  EXPECT_EQ(found.rejected(), 2U);
 }
 
 }  // namespace

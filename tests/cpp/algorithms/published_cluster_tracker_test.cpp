@@ -25,18 +25,6 @@ std::vector<std::int32_t> labels_of(PublishedClusterTracker& tracker,
   return labels;
 }
 
-TEST(PublishedClusterTracker, FindsTheTenSquaresOfTheGoldenStream) {
-  PublishedClusterTracker tracker{{.width = 346, .height = 260, .probes = 0}};
-  tracker.process(asap::test::golden_stream());
-  const auto clusters = tracker.clusters();
-  ASSERT_EQ(clusters.size(), 10U);
-  const auto match =
-      std::find_if(clusters.begin(), clusters.end(), [](const Cluster& c) { return c.size == 78; });
-  ASSERT_NE(match, clusters.end());
-  EXPECT_NEAR(match->x, 110.910256, 5e-7);
-  EXPECT_NEAR(match->y, 193.884615, 5e-7);
-}
-
 TEST(PublishedClusterTracker, LabelsAreIdsOnceAClusterHasMinSizeEvents) {
   PublishedClusterTracker tracker{{.width = 100, .height = 100, .radius = 5, .min_size = 3}};
   const auto at = [](std::uint16_t x, std::int64_t t) {
@@ -53,18 +41,6 @@ TEST(PublishedClusterTracker, LabelsAreIdsOnceAClusterHasMinSizeEvents) {
   EXPECT_EQ(clusters[0].t_last, 4);
   EXPECT_EQ(clusters[1].id, 1);
   EXPECT_EQ(clusters[1].size, 4);
-}
-
-TEST(PublishedClusterTracker, AMergeKeepsTheSmallerId) {
-  PublishedClusterTracker tracker{
-      {.width = 100, .height = 10, .radius = 10, .probes = 0, .min_size = 2}};
-  const auto at = [](std::uint16_t x) { return Event{.x = x, .y = 5, .p = 0, .t = 0}; };
-  // The older-created at 30 gets its id second; one event between the two joins them.
-  EXPECT_EQ(labels_of(tracker, {at(30), at(50), at(50), at(50), at(30), at(40)}),
-            (std::vector<std::int32_t>{-1, -1, 0, 0, 1, 0}));
-  ASSERT_EQ(tracker.clusters().size(), 1U);
-  EXPECT_EQ(tracker.clusters()[0].id, 0);
-  EXPECT_EQ(tracker.clusters()[0].size, 6);
 }
 
 TEST(PublishedClusterTracker, ResultsFollowFromTheSeed) {
