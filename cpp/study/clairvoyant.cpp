@@ -131,6 +131,7 @@ std::int64_t clairvoyant_latency_ns(EventSpan events, const LinearCost& cost, do
 namespace {
 
 constexpr double kLongestNs = 9e15;  // a double counts nanoseconds exactly up to here
+constexpr double kMaxSteps = 8e10;   // a minute at most
 
 // The earliest ends at which `fewest`, `fewest` + 1, ... events can be done, in rising order.
 struct Ends {
@@ -268,8 +269,7 @@ class Programme {
 
 }  // namespace
 
-std::uint64_t exact_clairvoyant(EventSpan events, const LinearCost& cost, double latency_us,
-                                double max_steps) {
+std::uint64_t exact_clairvoyant(EventSpan events, const LinearCost& cost, double latency_us) {
   require(latency_us > 0 && latency_us <= 3.6e9, "latency_us", latency_us,
           "must be above 0 and at most 3.6e9");
   require(cost.config().drift.empty(), "drift", cost.config().drift.size(),
@@ -280,7 +280,7 @@ std::uint64_t exact_clairvoyant(EventSpan events, const LinearCost& cost, double
   Programme programme(events, cost, std::floor(1e3 * latency_us));
   require(programme.length_ns() <= kLongestNs, "duration", programme.length_ns() * 1e-9,
           "must be at most 9e6 s: give a part of the recording");
-  const std::size_t affordable = programme.affordable(max_steps);
+  const std::size_t affordable = programme.affordable(kMaxSteps);
   require(affordable == events.size(), "events", events.size(),
           "too many for an exact answer at this rate: give the first " +
               std::to_string(affordable) + " or fewer");

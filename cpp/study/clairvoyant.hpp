@@ -23,17 +23,14 @@ namespace asap::inline v0_1 {
 // nanoseconds.
 std::int64_t clairvoyant_latency_ns(EventSpan events, const LinearCost& cost, double bin_us = 10.0);
 
-inline constexpr double kMaxExactSteps = 8e10;  // a minute at most
-
 // EC(L), the largest number of events that any scheduler can finish within L of their stamps. A
 // package is a block of neighbouring events: to exchange an event for a younger one never hurts.
 // O(events x (events per L)^2), mostly far less.
 //
 // Events in order of time; a timestamp that goes back counts as the one before it. With noise the
 // mean cost counts; an event that ends at the bound is in time. Throws std::invalid_argument for a
-// cost with drift or outages, and where it may take more than max_steps, with the number of events
+// cost with drift or outages, and where it may take more than a minute, with the number of events
 // that fits.
-std::uint64_t exact_clairvoyant(EventSpan events, const LinearCost& cost, double latency_us,
-                                double max_steps = kMaxExactSteps);
+std::uint64_t exact_clairvoyant(EventSpan events, const LinearCost& cost, double latency_us);
 
 }  // namespace asap::inline v0_1

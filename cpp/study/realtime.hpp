@@ -1,13 +1,13 @@
-// What an experiment in real time needs: an algorithm of known cost, and the machine's own
-// scheduling jitter, beside which the figures are read. Any one thread.
+// BusyWait: an algorithm of known cost. It spins for alpha at the start of a package and for beta
+// per event, so that a replay can be put beside the simulation of the same cost. Any one thread; no
+// allocation.
 #pragma once
 
 #include <chrono>
-#include <cstddef>
 #include <cstdint>
 
 #include "asap/core/event.hpp"
-#include "asap/telemetry/latency_histogram.hpp"
+#include "core/check.hpp"
 
 namespace asap {
 
@@ -16,11 +16,14 @@ struct BusyWaitConfig {
   double beta_ns = 300.0;
 };
 
-// An algorithm of known cost: it spins for alpha at the start of a package and for beta per event,
-// so that a replay can be put beside the simulation of the same cost. No allocation.
 class BusyWait {
  public:
-  explicit BusyWait(BusyWaitConfig config = {});
+  explicit BusyWait(BusyWaitConfig config = {}) : config_(config) {
+    require(config.alpha_us >= 0 && config.alpha_us <= 1e6, "alpha_us", config.alpha_us,
+            "must be between 0 and 1e6 us");
+    require(config.beta_ns >= 0 && config.beta_ns <= 1e6, "beta_ns", config.beta_ns,
+            "must be between 0 and 1e6 ns");
+  }
 
   // The fixed work of a package.
   void begin() noexcept { spin(config_.alpha_us * 1e3); }
@@ -40,9 +43,5 @@ class BusyWait {
 
   const BusyWaitConfig config_;
 };
-
-// Times between two looks at the steady clock, over a stretch of time: a thread that does nothing
-// but look at the clock is not always running, and what it misses no scheme can give back.
-LatencyHistogram scheduling_jitter(std::chrono::nanoseconds duration);
 
 }  // namespace asap

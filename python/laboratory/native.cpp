@@ -2,14 +2,11 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
-#include <chrono>
-#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <vector>
 
 #include "arrays.hpp"
-#include "core/check.hpp"
 #include "gil.hpp"
 #include "held.hpp"
 #include "native_consumer.hpp"
@@ -114,17 +111,6 @@ beta_ns : float
           py::arg("events").noconvert(), "Spins for a package of these events.");
 }
 
-py::tuple scheduling_jitter_for(double duration_s) {
-  require(duration_s >= 0 && duration_s <= 3600, "duration_s", duration_s,
-          "must be between 0 and 3600 s");
-  const auto measured = [&] {
-    const WithoutGil release;  // pure C++, for a while
-    return scheduling_jitter(std::chrono::nanoseconds(std::llround(duration_s * 1e9)));
-  }();
-  const LatencyHistogram::State s = measured.state();
-  return py::make_tuple(s.bound_ns, s.max_ns, s.within_bound, s.sum_low, s.sum_high, s.bins);
-}
-
 }  // namespace
 }  // namespace asap::python
 
@@ -138,8 +124,5 @@ PYBIND11_MODULE(_native, m) {
   asap::python::bind_scenes(m);
   asap::python::bind_jaer_cluster_tracker(m);
   asap::python::bind_busy_wait(m);
-  m.def("scheduling_jitter", &asap::python::scheduling_jitter_for, pybind11::arg("duration_s"),
-        "State of a LatencyHistogram: times between two looks at the clock of a thread that does "
-        "nothing else.");
   asap::python::close_classes(m);
 }

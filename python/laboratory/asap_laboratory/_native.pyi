@@ -1,6 +1,6 @@
 """Native part of the laboratory. Docstrings are in the extension."""
 
-from typing import Any, Literal, TypeAlias, overload
+from typing import Any, Literal, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 from asap._core import EventStream, LinearCost, Scheme
 
 _Events = NDArray[np.void]
-_HistogramState: TypeAlias = tuple[int, int, int, int, int, list[tuple[int, int]]]
 
 class _pybind11_type(type): ...
 
@@ -42,8 +41,6 @@ class BusyWait(metaclass=_pybind11_type):
     @property
     def __asap_consumer__(self) -> object: ...
     def process(self, events: _Events) -> None: ...
-
-def scheduling_jitter(duration_s: float) -> _HistogramState: ...
 
 # profiles
 
@@ -122,7 +119,5 @@ class SparkPid(Scheme):
 
 # clairvoyant
 
-def clairvoyant_latency_us(events: _Events, cost: LinearCost, bin_us: float = 10.0) -> float: ...
-def exact_clairvoyant(
-    events: _Events, cost: LinearCost, latency_us: float, max_steps: float = 8e10
-) -> int: ...
+def clairvoyant_latency_us(events: _Events, cost: LinearCost) -> float: ...
+def exact_clairvoyant(events: _Events, cost: LinearCost, latency_us: float) -> int: ...

@@ -9,9 +9,6 @@ from asap.io.source import CheckedStream
 from asap.synthetic import joined
 from asap_laboratory import _native
 
-_MAX_EVENTS = 1 << 20
-_MAX_STEPS = 4e9  # some seconds
-
 
 def exact_oracle(source: Any, *, cost: _core.LinearCost, latency_ms: float) -> int:
     """Count the events that the best scheduler of whole packages finishes within a latency bound.
@@ -42,16 +39,3 @@ def exact_oracle(source: Any, *, cost: _core.LinearCost, latency_ms: float) -> i
     """
     events = joined(list(CheckedStream(source)))
     return _native.exact_clairvoyant(events, cost, _core.checked_latency_ms(latency_ms) * 1e3)
-
-
-def exact_if_few(
-    source: Any, events: int, *, cost: _core.LinearCost, latency_ms: float
-) -> int | None:
-    """Return `exact_oracle`; None where it would take long, or the cost drifts."""
-    if events > _MAX_EVENTS:
-        return None
-    try:
-        read = joined(list(CheckedStream(source)))
-        return _native.exact_clairvoyant(read, cost, latency_ms * 1e3, _MAX_STEPS)
-    except ValueError:
-        return None

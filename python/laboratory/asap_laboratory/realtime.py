@@ -65,37 +65,12 @@ def _figures(found: Run) -> Row:
     }
 
 
-def scheduling_jitter(duration_s: float = 1.0) -> _core.LatencyHistogram:
-    """Measure how long this machine takes the processor away from a thread, us.
-
-    Times between two looks at the clock of a thread that does nothing else.
-    """
-    return _core.LatencyHistogram(_native.scheduling_jitter(duration_s))
-
-
-@dataclass(frozen=True)
-class JitterCase:
-    """The scheduling jitter of this machine."""
-
-    duration_s: float = 5.0
-
-    def weight(self) -> float:
-        """Seconds, by the million."""
-        return 1e6 * self.duration_s
-
-    def measure(self) -> Rows:
-        """Run it."""
-        found = scheduling_jitter(self.duration_s)
-        return [{"p99999_ms": found.quantile(0.99999) / 1e3, "max_ms": found.max / 1e3}]
-
-
 def _batches(form: str) -> Generator[Batch, Rows, None]:
-    yield Batch([*map(ClocksCase, PROFILES), JitterCase()], one_at_a_time=True)
+    yield Batch([ClocksCase(profile) for profile in PROFILES], one_at_a_time=True)
 
 
 def _summary(rows: Rows) -> Tables:
-    clocks = [row for row in rows if "clock" in row]
-    return {"realtime": clocks, "jitter": [row for row in rows if "clock" not in row]}
+    return {"realtime": rows}
 
 
 def _facts(tables: Tables) -> dict[str, Any]:
@@ -104,7 +79,7 @@ def _facts(tables: Tables) -> dict[str, Any]:
         {"real": row, "virtual": virtual[row["profile"]], "profile": row["profile"]}
         for row in only(tables["realtime"], clock="real")
     ]
-    return {"pairs": pairs, "jitter": tables["jitter"][0]}
+    return {"pairs": pairs}
 
 
 def _both(name: str, write: Callable[[float], str]) -> Cell:
@@ -121,7 +96,7 @@ REALTIME = Study(
     template=Path(__file__).with_suffix(".md"),
     batches=_batches,
     summary=_summary,
-    tables=("realtime", "jitter"),
+    tables=("realtime",),
     cells={
         **{name: _both(name, lambda value: f"{value:.3f}") for name in ("kept", "in_time")},
         **{name: _both(name, _ms) for name in ("p50_ms", "p99_ms", "max_ms")},

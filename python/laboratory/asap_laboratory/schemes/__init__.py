@@ -77,22 +77,10 @@ def _in_hindsight(runs: Rows) -> Iterator[Row]:
 
 def _oracles(runs: Rows) -> Iterator[Row]:
     """Yield what is possible at most, as a share of the input: a row like those of contenders."""
-    seeds = [
-        {
-            **row,
-            "OB(L)/input": row["oracle"] / max(row["events"], 1),
-            "EC(L)/input": None if row["exact"] is None else row["exact"] / max(row["events"], 1),
-        }
-        for row in runs
-    ]
-    labels = ("OB(L)/input", "EC(L)/input")
-    found = sorted(over_seeds(seeds, _CASE, labels), key=_place)
-    for label in labels:
-        for row in found:
-            if row[label] is not None:
-                yield {**{name: row[name] for name in _CASE}, "contender": label} | {
-                    "score": row[label]
-                }
+    shares = [{**row, "share": row["oracle"] / max(row["events"], 1)} for row in runs]
+    for row in sorted(over_seeds(shares, _CASE, ("share",)), key=_place):
+        what = {name: row[name] for name in _CASE}
+        yield {**what, "contender": "OB(L)/input", "score": row["share"]}
 
 
 def _aggregates(cells: Rows) -> Iterator[Row]:

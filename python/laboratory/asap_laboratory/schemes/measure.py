@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from asap.experiment import Run
 from asap.experiment.comparing import Contender, side_by_side
 from asap.io.source import CheckedStream
-from asap_laboratory.clairvoyant import exact_if_few
 from asap_laboratory.page import Row, Rows
 from asap_laboratory.profiles import Scenario
 
@@ -36,8 +35,7 @@ def measure(
     """Run every contender through a scenario, all over one reading of the stream.
 
     `steps`: the rate steps up at the middle of every second, and down at its end. A row for each
-    contender: label, the figures of `figures_of`, events of the input, OB(L) and, where it can be
-    computed, EC(L).
+    contender: label, the figures of `figures_of`, events of the input and OB(L).
     """
     found = side_by_side(
         CheckedStream(scenario.source),
@@ -48,11 +46,7 @@ def measure(
         capacity=capacity,
         threads=1,  # cases run beside each other
     )
-    events = found.runs[0].ledger.received
-    exact = exact_if_few(
-        scenario.source, events, cost=scenario.cost, latency_ms=scenario.latency_ms
-    )
-    of_all = {"events": events, "oracle": found.oracles["anytime"], "exact": exact}
+    of_all = {"events": found.runs[0].ledger.received, "oracle": found.oracles["anytime"]}
     return [
         {
             "contender": one.label,
