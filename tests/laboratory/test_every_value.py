@@ -74,7 +74,6 @@ ENTRIES: list[tuple[Callable[..., Any], str, tuple[Any, ...]]] = [
         for field in ("gap_ms", "speed", "radius")
     ),
     (THIN.truth, "t_us", NO_SHARES),
-    (THIN.thin, "gamma", NO_SHARES),
     (low, "duration_s", NO_SHARES),
     (low, "seed", NO_WHOLES),
     (low, "scale", NO_SHARES),
@@ -127,7 +126,7 @@ def test_profiles_are_pickled_as_what_made_them(stream: Any) -> None:
         lambda: scenes.corners("fast", duration_s=0.1),
         lambda: scenes.H(kind="rings"),
         lambda: scenes.occlusion(50.0),
-        lambda: scenes.stop_and_go(10.0).thin(0.3, seed=4).thin(0.5),
+        lambda: scenes.stop_and_go(10.0),
     ],
 )
 def test_scenes_are_pickled_as_what_made_them(make: Callable[[], Any]) -> None:

@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-import asap
 from asap import EVENT_DTYPE
 from asap_laboratory import scenes
 from asap_laboratory.scenes import CORNER_DTYPE, TRUTH_DTYPE, Scene
@@ -134,7 +133,6 @@ def test_a_cluster_may_be_farther_from_the_centre_of_a_large_object() -> None:
     large = scenes.I(1)
     assert large.match_radii_px == pytest.approx(np.maximum(12, 0.7 * large.reaches_px))
     assert large.match_radii_px.max() > 17
-    assert np.array_equal(large.thin(0.5).match_radii_px, large.match_radii_px)
     assert np.all(scenes.F(1).match_radii_px == 12)
 
 
@@ -143,20 +141,6 @@ def test_corner_scenes_have_their_rates(kind: Any, rate: float) -> None:
     scene = scenes.corners(kind, duration_s=0.5)
     assert scene.name == f"corners_{kind}"
     assert len(scene.events) / 0.5 == pytest.approx(rate, rel=0.3)
-
-
-# ---- thinning -------------------------------------------------------------------------------
-
-
-def test_thinning_keeps_events_and_labels_in_step(scene: Scene) -> None:
-    thin = scene.thin(0.2, seed=7)
-    mask = asap.GammaFilter(seed=7).mask(scene.events, 0.2)
-    assert same(thin.events, scene.events[mask])
-    assert np.array_equal(thin.labels, scene.labels[mask])
-    assert thin.events.dtype == EVENT_DTYPE
-    assert np.array_equal(thin.truth(1000), scene.truth(1000))
-    assert np.array_equal(thin.vertices(1000), scene.vertices(1000))
-    assert (thin.name, thin.seed, thin.width) == (scene.name, scene.seed, scene.width)
 
 
 # ---- bad arguments --------------------------------------------------------------------------
@@ -172,7 +156,6 @@ def test_thinning_keeps_events_and_labels_in_step(scene: Scene) -> None:
         (lambda: scenes.H(kind="disks"), "kind = 'disks': give one of bars, angles, rings"),
         (lambda: scenes.K(seed=-1), "seed = -1: must"),
         (lambda: scenes.occlusion(2000.0), "gap_us = 2000000: give less"),
-        (lambda: small().thin(0.5, seed=-1), "seed = -1: must"),
     ],
 )
 def test_bad_arguments_are_named(make: Any, message: str) -> None:

@@ -122,7 +122,7 @@ def sets(path: Path) -> Path:
 def test_a_folder_of_recordings_leaves_out_what_is_refused(tmp_path: Path) -> None:
     scenes, left_out = opened([sets(tmp_path)])
     assert [path.name for path in scenes] == ["first"]
-    assert len(left_out) == 1 and left_out[0].startswith("second/truth.csv: row 1: columns")
+    assert len(left_out) == 1 and left_out[0].startswith("second/truth.csv: no column")
     assert list(opened([tmp_path / "first"]).scenes) == [tmp_path / "first"]
 
 
@@ -161,11 +161,11 @@ def test_command_prints_the_table_and_writes_page_and_figures(
         f"wrote {out / 'real.md'}\nwrote {out / 'data' / 'real.csv'}\n"
         f"wrote {out / 'real_first.svg'}\n"
     )
-    assert "left out: second/truth.csv: row 1" in told
+    assert "left out: second/truth.csv: no column" in told
     assert (out / "data" / "real.csv").read_text().startswith("set,hit,precision,switches,")
     text = (out / "real.md").read_text()
     assert f"`asap-study --real {tmp_path.name}`" in text and "![first](real_first.svg)" in text
-    assert "Left out: second/truth.csv: row 1" in text
+    assert "Left out: second/truth.csv: no column" in text
     assert "**first**\n\n- object 0 is missed at 3 of 3 times, between 0.01 and 0.03 s" in text
 
 

@@ -27,14 +27,9 @@ ZONE_DTYPE = np.dtype(
 )
 
 _FILES = ("events.npz", "truth.csv", "ignore.csv", "sensor.json")
-_TRUTH = ("t_us", "id", "x", "y", "w", "h")
-_NOT_READ = ("name", "cx", "cy")
-_ZONES = ("x0", "x1", "y0", "y1", "from_us", "to_us")
 _SLACK_US = 100_000  # a box may be labelled so long before the first or after the last event
 _CAMERAS = {"still": True, "moving": True}
 _BACKGROUNDS = {"labelled": True, "unlabelled": False, "not labelled": False, "not": False}
-
-Row = tuple[int, dict[str, str]]  # its number in the file, the heading being row 1, and its cells
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,8 +81,8 @@ def labelled(folder: str | os.PathLike[str]) -> LabelledScene:
     ----------
     folder : path
         With ``events.npz`` (t [us], x, y, p), ``truth.csv`` (t_us, id, x, y, w, h; x, y the left
-        top corner, px; name, cx and cy are allowed and not read), ``ignore.csv`` (x0, x1, y0, y1,
-        from_us, to_us) and ``sensor.json`` (width, height, camera, background).
+        top corner, px), ``ignore.csv`` (x0, x1, y0, y1, from_us, to_us) and ``sensor.json`` (width,
+        height, camera, background). Other columns are not read.
 
     Returns
     -------
@@ -150,78 +145,57 @@ def _sensor(path: Path) -> tuple[int, int, str, bool]:
 
 def _boxes(path: Path, events: Events, width: int, height: int) -> NDArray[np.void]:
     first_us, last_us = int(events["t"][0]), int(events["t"][-1])
+    boxes = _table(path, BOX_DTYPE)
+    on_clock = (first_us - _SLACK_US <= boxes["t_us"]) & (boxes["t_us"] <= last_us + _SLACK_US)
     clock = f"give the clock of events.npz, {first_us} to {last_us} us"
-    found = []
-    seen: set[tuple[int, int]] = set()
-    for number, cells in _rows(path, _TRUTH, _NOT_READ):
-        t_us, label = (_whole(path, number, name, cells[name]) for name in ("t_us", "id"))
-        good = first_us - _SLACK_US <= t_us <= last_us + _SLACK_US
-        _require(good, path, number, "t_us", t_us, clock)
-        _require((t_us, label) not in seen, path, number, "id", label, "give one box per time")
-        seen.add((t_us, label))
-        x, y, w, h = (_real(path, number, name, cells[name]) for name in ("x", "y", "w", "h"))
-        for name, side in (("w", w), ("h", h)):
-            _require(side > 0, path, number, name, side, "give more than 0 px")
-        for name, begin, size, side in (("x", x, w, width), ("y", y, h, height)):
-            on_it = begin < side and begin + size > 0
-            off = f"the box lies off the sensor of {width} x {height} px; correct or remove it"
-            _require(on_it, path, number, name, begin, off)
-        found.append((t_us, label, x, y, w, h))
-    if not found:
-        raise ValueError(f"{path}: row 2: there is none; give at least one box")
-    return np.sort(np.array(found, BOX_DTYPE), order=("t_us", "id"))
+    _require_all(on_clock, path, "t_us", boxes, clock)
+    for name, size, side in (("x", "w", width), ("y", "h", height)):
+        _require_all(boxes[size] > 0, path, size, boxes, "give more than 0 px")
+        on_it = (boxes[name] < side) & (boxes[name] + boxes[size] > 0)
+        off = f"the box lies off the sensor of {width} x {height} px; correct or remove it"
+        _require_all(on_it, path, name, boxes, off)
+    _, first = np.unique(boxes[["t_us", "id"]], return_index=True)
+    once = np.isin(np.arange(boxes.size), first)
+    _require_all(once, path, "id", boxes, "give one box per time")
+    if not boxes.size:
+        raise ValueError(f"{path}: no row; give at least one box")
+    return np.sort(boxes, order=("t_us", "id"))
 
 
 def _zones(path: Path) -> NDArray[np.void]:
-    found = []
-    for number, cells in _rows(path, _ZONES, ()):
-        edges = [_real(path, number, name, cells[name]) for name in _ZONES[:4]]
-        times = [_whole(path, number, name, cells[name]) for name in _ZONES[4:]]
-        _require_order(path, number, "x1", edges[0], edges[1])
-        _require_order(path, number, "y1", edges[2], edges[3])
-        _require_order(path, number, "to_us", times[0], times[1])
-        found.append((*edges, *times))
-    return np.array(found, ZONE_DTYPE)
+    zones = _table(path, ZONE_DTYPE)
+    for begin, end in (("x0", "x1"), ("y0", "y1"), ("from_us", "to_us")):
+        _require_all(zones[begin] < zones[end], path, end, zones, f"give more than {begin}")
+    return zones
 
 
-def _require_order(path: Path, row: int, field: str, begin: float, end: float) -> None:
-    _require(begin < end, path, row, field, end, f"give more than {begin}")
-
-
-def _rows(path: Path, needed: tuple[str, ...], also: tuple[str, ...]) -> Iterator[Row]:
-    """Yield the rows below the heading; refuse a heading or a row of other columns."""
+def _table(path: Path, dtype: np.dtype[np.void]) -> NDArray[np.void]:
+    """Read the columns of that names; refuse what is no finite number."""
     with path.open(newline="", encoding="utf-8-sig", errors="replace") as file:
-        lines = csv.reader(file)
-        heading = [name.strip() for name in next(lines, [])]
-        known = set(heading) <= {*needed, *also} and len(set(heading)) == len(heading)
-        remedy = f"give {', '.join(needed)}" + (f" and, at will, {', '.join(also)}" if also else "")
-        good = known and set(needed) <= set(heading)
-        _require(good, path, 1, "columns", ",".join(heading), remedy)
-        for cells in lines:
-            if not cells:
-                continue
-            fits = len(cells) == len(heading)
-            remedy = f"give {len(heading)} values, as in the heading"
-            _require(fits, path, lines.line_num, "values", ",".join(cells), remedy)
-            yield lines.line_num, dict(zip(heading, cells, strict=True))
+        lines = csv.DictReader(file, skipinitialspace=True)
+        rows = list(lines)
+    names = dtype.names or ()
+    if missing := set(names) - set(lines.fieldnames or ()):
+        raise ValueError(f"{path}: no column {', '.join(sorted(missing))}; give {', '.join(names)}")
+    table = np.zeros(len(rows), dtype)
+    for name in names:
+        kind = int if dtype[name].kind == "i" else float
+        for number, row in enumerate(rows):
+            try:
+                table[name][number] = kind(row[name])
+                good = math.isfinite(table[name][number])
+            except (ValueError, TypeError, OverflowError):
+                good = False
+            wanted = "give a whole number" if kind is int else "give a finite number, in px"
+            _require(good, path, number + 2, name, row[name], wanted)
+    return table
 
 
-def _whole(path: Path, row: int, field: str, text: str) -> int:
-    try:
-        value = int(text)
-    except ValueError:
-        value = 1 << 63
-    _require(-(1 << 63) <= value < 1 << 63, path, row, field, text, "give a whole number")
-    return value
-
-
-def _real(path: Path, row: int, field: str, text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    _require(math.isfinite(value), path, row, field, text, "give a finite number, in px")
-    return value
+def _require_all(
+    good: NDArray[np.bool_], path: Path, field: str, rows: NDArray[np.void], remedy: str
+) -> None:
+    for number in np.flatnonzero(~good):
+        _require(False, path, int(number) + 2, field, rows[field][number].item(), remedy)
 
 
 def _require(good: bool, path: Path, row: int | None, field: str, value: Any, remedy: str) -> None:

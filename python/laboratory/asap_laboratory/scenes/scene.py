@@ -1,4 +1,4 @@
-"""Scene: events with exact truth, lazily made, and its thinned copies."""
+"""Scene: events with exact truth, lazily made."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from asap import _checks, _core
+from asap import _checks
 from asap.events import Events
 from asap.synthetic import joined
 from asap_laboratory import _native
@@ -165,18 +165,6 @@ class Scene:
         is_large = self._recipe is not None and self._recipe[0] in _LARGE
         return np.maximum(_MATCH_PX, (_MATCH_SHARE if is_large else 0.0) * self.reaches_px)
 
-    def thin(self, gamma: float, seed: int = 0) -> ThinnedScene:
-        """Return this scene with each event kept with probability gamma; the truth stays.
-
-        Parameters
-        ----------
-        gamma : float
-            0 to 1.
-        seed : int
-            Of the `asap.GammaFilter` that decides.
-        """
-        return ThinnedScene(self, gamma, seed)
-
     def plot(self, t_ms: float | None = None, *, window_ms: float = 15.0) -> Figure:
         """Draw the events before a moment and the truth at it. Needs matplotlib.
 
@@ -229,29 +217,6 @@ class Scene:
         _checks.number("t_us", t_us, 0, self.duration_us, remedy)
         poses: NDArray[np.float64] = self._track[int(t_us // _STEP_US)]
         return poses
-
-
-class ThinnedScene(Scene):
-    """A scene of which a uniform random share of the events is left."""
-
-    def __init__(self, whole: Scene, gamma: float, seed: int) -> None:
-        self.name = whole.name
-        self.seed = whole.seed
-        self._source = whole
-        self._layout = whole._layout
-        self._recipe = whole._recipe
-        self._gamma = gamma
-        self._thin_seed = seed
-        _checks.number("gamma", gamma, 0, 1, "give 0 to 1")
-        _core.GammaFilter(seed=seed)  # checks it
-
-    def blocks(self) -> Iterator[tuple[Events, Labels]]:
-        """Yield the events that are kept, and their labels, piece by piece."""
-        keep = _core.GammaFilter(seed=self._thin_seed)
-        for events, labels in self._source.blocks():
-            kept = keep.mask(events, self._gamma)
-            if kept.any():
-                yield joined([events[kept]]), labels[kept]
 
 
 def _layout(recipe: Recipe) -> _native.SceneLayout:
