@@ -172,7 +172,7 @@ void Objects::note_ways(const Tracks& tracks) noexcept {
     object.way = {now_us_,
                   {sum.x, sum.y},
                   {state.average_vx, state.average_vy},
-                  {(sum.box.right - sum.box.left) / 2, (sum.box.bottom - sum.box.top) / 2}};
+                  {sum.box.width() / 2, sum.box.height() / 2}};
   }
 }
 
@@ -286,7 +286,8 @@ std::size_t Objects::find_parent(const Tracks& tracks, std::size_t child) const 
 bool Objects::may_adopt(const Object& object) const noexcept {
   constexpr std::uint64_t kOld_us = 100'000;
   constexpr float kWide_px = 60;
-  return object.sum.box.longest_side() >= kWide_px && now_us_ - object.born_us > kOld_us;
+  return std::max(object.sum.box.width(), object.sum.box.height()) >= kWide_px &&
+         now_us_ - object.born_us > kOld_us;
 }
 
 // LEAVE: parts that have been apart from the others for long are an object of their own.
@@ -353,9 +354,9 @@ std::size_t Objects::grow_component(const Tracks& tracks, std::size_t first) noe
 // ---- which objects are one ----
 
 // JOIN: two objects that touch and begin together are one thing, which is too large or too sparse
-// for one gate, until they do not keep their relative position: what appears or starts to move
-// fires at all its edges. So are two that show one edge each, of opposite polarity, the two sides
-// of a thing: an object of its own has both. All keep their ids for when they part.
+// for one gate, until the box around both changes: what appears or starts to move fires at all its
+// edges. So are two that show one edge each, of opposite polarity, the two sides of a thing: an
+// object of its own has both. All keep their ids for when they part.
 void Objects::join(const Tracks& tracks, float dt_s) noexcept {
   constexpr float kEdges_s = 0.02F;
   constexpr float kApart_s = 0.04F;
@@ -366,9 +367,11 @@ void Objects::join(const Tracks& tracks, float dt_s) noexcept {
     if (bond.other == kNone) {
       find_bond(tracks, i);
       bond.joined = bond.other != kNone && began_together(object, objects_[bond.other]);
-    } else if (keeps_bond(tracks, i)) {
+    } else if (keeps_bond(object)) {
       bond.apart_s = 0;
-      if (have_opposite_edges(tracks, bond.lead, bond.other_lead)) bond.edges_s += dt_s;
+      if (have_opposite_edges(tracks, object.sum.lead, objects_[bond.other].sum.lead)) {
+        bond.edges_s += dt_s;
+      }
       bond.joined = bond.joined || bond.edges_s >= kEdges_s;
     } else {
       bond.apart_s += dt_s;
@@ -384,53 +387,55 @@ bool Objects::began_together(const Object& younger, const Object& older) const n
   return now_us_ - younger.born_us < kTogether_us && younger.born_us - older.born_us < kTogether_us;
 }
 
-// With the heaviest of the older objects that it touches.
+// With the heaviest of the older objects that it touches, else with one that it faces.
 void Objects::find_bond(const Tracks& tracks, std::size_t object) noexcept {
+  Object& younger = objects_[object];
   std::size_t best = kNone;
   const auto is_better = [&](std::size_t whole) {
-    return objects_[whole].order < objects_[object].order &&
+    return objects_[whole].order < younger.order &&
            (best == kNone || objects_[whole].sum.mass > objects_[best].sum.mass);
   };
   std::size_t next = kNone;
   while ((next = find_touched(tracks, object, is_better)) != kNone) best = next;
-  if (best != kNone) begin_bond(tracks, object, best);
+  for (std::size_t i = 0; best == kNone && i < objects_.size(); ++i) {
+    const Object& older = objects_[i];
+    if (older.id < 0 || older.sum.parts == 0 || older.order >= younger.order) continue;
+    if (face(tracks, younger, older)) best = i;
+  }
+  if (best == kNone) return;
+  const Box box = united(younger.sum.box, objects_[best].sum.box);
+  younger.bond = {.other = best, .width = box.width(), .height = box.height()};
 }
 
-void Objects::begin_bond(const Tracks& tracks, std::size_t object, std::size_t other) noexcept {
-  const auto now = static_cast<Stamp>(now_us_);
-  const Slot lead = objects_[object].sum.lead;
-  const Slot other_lead = objects_[other].sum.lead;
-  const Point from = predicted_mean(tracks[lead], now);
-  const Point to = predicted_mean(tracks[other_lead], now);
-  objects_[object].bond = {.other = other,
-                           .lead = lead,
-                           .other_lead = other_lead,
-                           .offset = {to.x - from.x, to.y - from.y}};
+// Whether they lie as the front and the rear of a thing that moves along itself, whose long sides
+// do not fire: opposite edges, both across the line between them.
+bool Objects::face(const Tracks& tracks, const Object& one, const Object& other) const noexcept {
+  constexpr float kReach = 10;  // standard deviations of both
+  constexpr float kThin = 2;    // ratio of standard deviations
+  if (!have_opposite_edges(tracks, one.sum.lead, other.sum.lead)) return false;
+  const float distance = length(other.sum.x - one.sum.x, other.sum.y - one.sum.y);
+  const float ux = (other.sum.x - one.sum.x) / distance;
+  const float uy = (other.sum.y - one.sum.y) / distance;
+  float across = 0;
+  for (const Slot slot : {one.sum.lead, other.sum.lead}) {
+    const float own = spread_along(tracks[slot], -uy, ux);
+    if (!(own > kThin * spread_along(tracks[slot], ux, uy))) return false;
+    across += own;
+  }
+  return distance < kReach * across;
 }
 
-// Whether the two tracks of its bond are still parts of the two objects.
-bool Objects::has_its_leads(const Tracks& tracks, std::size_t object) const noexcept {
-  const auto is_part = [&](Slot slot, std::size_t whole) {
-    return parts_[slot].object == whole && parts_[slot].generation == tracks[slot].generation;
-  };
-  const Bond& bond = objects_[object].bond;
-  return is_part(bond.lead, object) && is_part(bond.other_lead, bond.other);
-}
-
-// Whether the two touch at the same relative position as before, within what their means wander.
-bool Objects::keeps_bond(const Tracks& tracks, std::size_t object) const noexcept {
+// Whether the box around both is as it was: one grows and the other shrinks where events go from
+// the one to the other.
+bool Objects::keeps_bond(const Object& object) const noexcept {
   constexpr float kTolerance_px = 4;
-  constexpr float kPerSide = 0.1F;
-  const Bond& bond = objects_[object].bond;
-  if (!has_its_leads(tracks, object)) return false;
-  const auto is_other = [&](std::size_t whole) { return whole == bond.other; };
-  if (find_touched(tracks, object, is_other) == kNone) return false;
-  const auto now = static_cast<Stamp>(now_us_);
-  const Point from = predicted_mean(tracks[bond.lead], now);
-  const Point to = predicted_mean(tracks[bond.other_lead], now);
-  const Box box = united(objects_[object].sum.box, objects_[bond.other].sum.box);
-  return length(to.x - from.x - bond.offset.x, to.y - from.y - bond.offset.y) <=
-         kTolerance_px + kPerSide * box.longest_side();
+  constexpr float kPerSide = 0.05F;
+  const Bond& bond = object.bond;
+  const ObjectSum& other = objects_[bond.other].sum;
+  if (other.parts == 0) return false;
+  const Box box = united(object.sum.box, other.box);
+  return std::max(std::abs(box.width() - bond.width), std::abs(box.height() - bond.height)) <=
+         kTolerance_px + kPerSide * std::max(bond.width, bond.height);
 }
 
 // ---- which object is noise ----

@@ -3,7 +3,7 @@
 // tracks are grouped every 5 ms. LOST: a new track continues the object that must have reappeared
 // there, else it begins one. ADOPT: what begins at a large object is a part of it. LEAVE: parts
 // that stay apart from the others become an object of their own. JOIN: objects that touch and begin
-// together, or have one edge each, are one until they do not move as one.
+// together, or have one edge each, are one until the box around both changes.
 // NOISE: an object is shown once its tracks fire more than the noise around them explains. QUIET:
 // an object without events is not shown. The layer reads the engine and changes nothing in it. One
 // thread, at the tick. O(n^2) of cheap steps in n tracks; allocates in the constructor only.
@@ -30,7 +30,8 @@ struct Box {
   float right;
   float bottom;
 
-  float longest_side() const noexcept { return std::max(right - left, bottom - top); }
+  float width() const noexcept { return right - left; }
+  float height() const noexcept { return bottom - top; }
 };
 
 // The box around both.
@@ -106,12 +107,11 @@ class Objects {
     Point half{};      // px, half the box
   };
 
-  // An older object that it touches.
+  // An older object that it touches or faces.
   struct Bond {
     std::size_t other = kNone;
-    Slot lead = Tracks::kNone;  // the two tracks that are compared
-    Slot other_lead = Tracks::kNone;
-    Point offset{};       // px, from the one to the other
+    float width = 0;  // px, of the box around both
+    float height = 0;
     float edges_s = 0;    // time for which each had the edge alone that the other lacks
     float apart_s = 0;    // once joined: time for which they have not
     bool joined = false;  // it is a part of the other
@@ -151,9 +151,8 @@ class Objects {
   void join(const Tracks& tracks, float dt_s) noexcept;
   bool began_together(const Object& younger, const Object& older) const noexcept;
   void find_bond(const Tracks& tracks, std::size_t object) noexcept;
-  void begin_bond(const Tracks& tracks, std::size_t object, std::size_t other) noexcept;
-  bool has_its_leads(const Tracks& tracks, std::size_t object) const noexcept;
-  bool keeps_bond(const Tracks& tracks, std::size_t object) const noexcept;
+  bool face(const Tracks& tracks, const Object& one, const Object& other) const noexcept;
+  bool keeps_bond(const Object& object) const noexcept;
   void judge(const Tracks& tracks, const NoiseTiles& noise) noexcept;
 
   std::vector<Part> parts_;      // by slot

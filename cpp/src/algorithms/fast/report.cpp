@@ -42,8 +42,8 @@ TrackedObject report(const ObjectSum& sum, std::int64_t id, std::uint64_t born_u
           .vy = sum.vy,
           .left = sum.box.left,
           .top = sum.box.top,
-          .width = sum.box.right - sum.box.left,
-          .height = sum.box.bottom - sum.box.top,
+          .width = sum.box.width(),
+          .height = sum.box.height(),
           .size = std::lround(sum.mass),
           .t_last = clock.stamp_us(sum.quiet_us),
           .age_us = static_cast<std::int64_t>(clock.now_us() - born_us)};

@@ -223,6 +223,35 @@ TEST(Objects, TwoThatHaveOneEdgeEachAreOne) {
   EXPECT_EQ(id_after(0.7F, -0.5F), 1);  // an object of its own
 }
 
+// The ends of a bar that moves along itself, far apart, and two pieces of one line.
+TEST(Objects, TheFrontAndTheRearOfAThingAreOne) {
+  const auto id_after = [](float along_px2, float across_px2, float polarity) {
+    Layer layer;
+    layer.add(100, 100, 5, 100, 0.9F);
+    const auto rear = layer.add(150, 100, 5, 100, polarity);
+    for (const auto slot : layer.tracks.active()) {
+      layer.tracks[slot].sxx = along_px2;
+      layer.tracks[slot].syy = across_px2;
+    }
+    layer.wait(40'000);
+    return layer.id_of(rear);
+  };
+  EXPECT_EQ(id_after(1, 16, -0.9F), 0);
+  EXPECT_EQ(id_after(16, 1, -0.9F), 1);
+  EXPECT_EQ(id_after(1, 16, 0.9F), 1);
+  EXPECT_EQ(id_after(1, 4, -0.9F), 1);  // too far apart for their length
+}
+
+// Events of the one go to the other, whose mean moves with them, while the thing stands.
+TEST(Objects, TwoThatAreOneStaySoWhileTheBoxAroundBothDoes) {
+  Pair pair{20'000};
+  pair.wait(5'000);
+  pair.tracks[pair.second].x -= 12;
+  pair.tracks[pair.second].sxx = 15 * 15;
+  pair.wait(100'000);
+  EXPECT_EQ(pair.id_of(pair.second), 0);
+}
+
 // Fills the tiles around (100, 100), where no track takes them, at a rate per pixel.
 void add_noise(Layer& layer, double rate_hz) {
   const auto events = static_cast<int>(0.2 * 48 * 48 * rate_hz);
