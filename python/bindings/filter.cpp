@@ -18,6 +18,18 @@ Parameters
 ----------
 seed : int
     0 <= seed < 2**64.
+
+Raises
+------
+ValueError
+    The seed or, in a call, gamma is out of range.
+
+Examples
+--------
+>>> events = asap.synthetic.FlightOverChairs(duration_s=0.1).events()
+>>> kept = asap.GammaFilter().apply(events, 0.5)  # a new array in EVENT_DTYPE
+>>> round(len(kept) / len(events), 1)
+0.5
 )";
 
 struct GammaFilterConfig {

@@ -220,6 +220,13 @@ Raises
 ------
 ValueError
     A value out of range, or outages that overlap.
+
+Examples
+--------
+>>> scene = asap.synthetic.FlightOverChairs(duration_s=0.1)
+>>> run = asap.simulate(scene, cost=asap.LinearCost(100, 300), latency_ms=10)
+>>> int(run.packages["processing_us"].min()) >= 100
+True
 )");
   const auto keywords = cost_keywords();
   bind_constructor(type, keywords);

@@ -46,6 +46,19 @@ Parameters
 ----------
 size : int
     Events per package, at least 1.
+
+Raises
+------
+ValueError
+    A parameter is out of range.
+
+Examples
+--------
+>>> scene = asap.synthetic.FlightOverChairs(duration_s=0.1)
+>>> cost = asap.LinearCost(100, 300)
+>>> run = asap.simulate(scene, cost=cost, scheme=asap.FixedSize(size=500), latency_ms=50)
+>>> int(run.packages["size"].max())
+500
 )");
 
   bind_scheme<FixedTime>(m, "FixedTime", R"(One package per period of event time.
@@ -57,9 +70,31 @@ Parameters
 ----------
 period_ms : float
     At least 0.001 ms.
+
+Raises
+------
+ValueError
+    A parameter is out of range.
+
+Examples
+--------
+>>> scene = asap.synthetic.FlightOverChairs(duration_s=0.1)
+>>> cost = asap.LinearCost(100, 300)
+>>> run = asap.simulate(scene, cost=cost, scheme=asap.FixedTime(period_ms=5))
+>>> len(run.packages)
+20
 )");
 
-  bind_scheme<SingleEvent>(m, "SingleEvent", "Every event is a package of its own.");
+  bind_scheme<SingleEvent>(m, "SingleEvent", R"(Every event is a package of its own.
+
+Examples
+--------
+>>> scene = asap.synthetic.FlightOverChairs(duration_s=0.1)
+>>> cost = asap.LinearCost(100, 300)
+>>> run = asap.simulate(scene, cost=cost, scheme=asap.SingleEvent())
+>>> int(run.packages["size"].max())
+1
+)");
 
   bind_scheme<Greedy>(m, "Greedy", R"(All that waits, whenever the algorithm is free.
 
@@ -69,6 +104,18 @@ efficiency : float, optional
     Share of a package's time that goes into its events, 0 < efficiency < 1: caps the package, oldest
     first, and the rest waits, which shortens the longest latency after abrupt changes. Keep it well
     above the mean load; 0.97 is a good one. None: no cap.
+
+Raises
+------
+ValueError
+    A parameter is out of range.
+
+Examples
+--------
+>>> scene = asap.synthetic.FlightOverChairs(duration_s=0.1)
+>>> cost = asap.LinearCost(100, 300)
+>>> asap.simulate(scene, cost=cost, scheme=asap.Greedy(), latency_ms=10).kept
+1.0
 )");
 
   bind_scheme<Asap2020>(m, "Asap2020", R"(The scheme of the paper (Tapia et al., 2020).
@@ -86,6 +133,19 @@ epsilon : float
     Margin: processing time = (1 - epsilon) span. 0 <= epsilon < 1.
 first_size, max_size, min_size : int
     First, largest and least package size, in kept events.
+
+Raises
+------
+ValueError
+    A parameter is out of range.
+
+Examples
+--------
+>>> scene = asap.synthetic.FlightOverChairs(duration_s=0.1)
+>>> cost = asap.LinearCost(100, 300)
+>>> scheme = asap.Asap2020(rate_bound=0.9e9 / 300)  # nine tenths of what the cost allows
+>>> asap.simulate(scene, cost=cost, scheme=scheme, latency_ms=10).kept
+1.0
 )");
 
   bind_scheme<Asap2022>(m, "Asap2022",
@@ -109,15 +169,27 @@ min_gamma, max_gamma : float
     Range of gamma; 0 <= min_gamma <= max_gamma <= 1.
 first_size : int
     Size before the first package is finished.
+
+Raises
+------
+ValueError
+    A parameter is out of range.
+
+Examples
+--------
+>>> scene = asap.synthetic.FlightOverChairs(duration_s=0.1)
+>>> cost = asap.LinearCost(100, 300)
+>>> asap.simulate(scene, cost=cost, scheme=asap.Asap2022(), latency_ms=10).ledger.balanced
+True
 )");
 
   bind_scheme<Deadline>(m, "Deadline", R"(As many events as possible within a latency bound.
 
-While the algorithm keeps up, nothing is discarded. In overload some ten plans are played forward on
-what waits, and the best is taken: what is too old is dropped, the older part of the rest is thinned so
-that it is finished in time, the newest events stay behind untouched. A package that takes longer than
-foreseen ends on time nevertheless, where the library runs the algorithm's loop. A package during which
-the processor is taken away is late.
+While the algorithm keeps up, nothing is discarded. In overload some ten plans are simulated on the
+backlog, and the best is taken: events that are too old are dropped, the older part of the rest is thinned
+so that it is finished in time, and the newest events stay in the buffer, unthinned. Where the library
+runs the algorithm's loop, a package that takes longer than expected still ends on time. A package during
+which the system takes the processor away is late.
 
 Parameters
 ----------
@@ -187,6 +259,13 @@ ValueError
 Notes
 -----
 Source: notebooks/theory.md, section 5.
+
+Examples
+--------
+>>> scene = asap.synthetic.FlightOverChairs(duration_s=0.1)
+>>> cost = asap.LinearCost(100, 300)
+>>> asap.simulate(scene, cost=cost, scheme=asap.DeadBeat(latency_ms=5)).in_time
+1.0
 )");
 
   m.attr("SCHEMES") = py::tuple(m.attr("Scheme").attr("__subclasses__")());

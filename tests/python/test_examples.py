@@ -10,8 +10,11 @@ import numpy as np
 import pytest
 
 import asap
+from asap import _core
 
-FIRST_MET = {"run", "simulate", "compare", "oracle", "read", "load", "as_events", "map", "Deadline"}
+FIRST_MET = {"run", "simulate", "compare", "oracle", "read", "load", "as_events", "to_dtype", "map"}
+FIRST_MET |= {"open_camera", "SoftwareCamera", "GammaFilter", "LinearCost", "Tiled", "Tracks"}
+FIRST_MET |= {"table", "load_run"}
 
 
 def examples() -> dict[str, doctest.DocTest]:
@@ -28,7 +31,8 @@ def examples() -> dict[str, doctest.DocTest]:
 
 def test_what_a_user_meets_first_has_an_example() -> None:
     kinds: list[Any] = [kind for kind in vars(asap).values() if hasattr(kind, "set_gamma")]
-    assert FIRST_MET | {kind.__name__ for kind in kinds} | {"Tiled"} <= examples().keys()
+    kinds += _core.SCHEMES
+    assert FIRST_MET | {kind.__name__ for kind in kinds} <= examples().keys()
 
 
 @pytest.mark.parametrize("name", sorted(examples()))

@@ -76,7 +76,7 @@ class Packet(NamedTuple):
 
 
 def cameras() -> list[CameraInfo]:
-    """List the attached cameras; [] if there are none.
+    """List the attached cameras, as name and serial number; [] if there are none.
 
     Raises
     ------
@@ -114,6 +114,11 @@ def open_camera(
     **driver_options
         Arguments of ``neuromorphic_drivers.open``, such as ``configuration`` with the biases.
 
+    Returns
+    -------
+    Camera
+        A source for `run` and `Pipeline`, and a context manager that closes it.
+
     Raises
     ------
     ValueError
@@ -122,6 +127,12 @@ def open_camera(
         None is attached, access is denied, another program has it; the message says what helps.
     MissingLibrary
         The driver is not installed: extra ``camera``.
+
+    Examples
+    --------
+    >>> with asap.open_camera() as camera:  # doctest: +SKIP
+    ...     tracker = asap.ClusterTracker(camera.width, camera.height)
+    ...     run = asap.run(camera, algorithm=tracker, latency_ms=10, duration_s=60)
     """
     driver = library("neuromorphic_drivers", "a camera", "camera")
     options = {"iterator_timeout": _WAIT_S} | driver_options
@@ -429,6 +440,15 @@ class SoftwareCamera(Camera):
     -----
     UserWarning
         The file holds what is not played, such as bad events: how much, as `convert` says it.
+
+    Examples
+    --------
+    >>> scene = asap.synthetic.FlightOverChairs(duration_s=0.1)
+    >>> with asap.SoftwareCamera(scene) as camera:
+    ...     tracker = asap.ClusterTracker(camera.width, camera.height)
+    ...     run = asap.run(camera, algorithm=tracker, latency_ms=10)
+    >>> run.ledger.balanced
+    True
     """
 
     def __init__(

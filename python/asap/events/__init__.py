@@ -154,6 +154,12 @@ def to_dtype(events: Any, dtype: npt.DTypeLike) -> npt.NDArray[np.void]:
         A field is missing, or holds no whole numbers.
     ValueError
         A value does not fit into its field; named with the event.
+
+    Examples
+    --------
+    >>> events = asap.synthetic.FlightOverChairs(duration_s=0.01).events()
+    >>> asap.to_dtype(events, [("t", "<u8"), ("x", "<u2"), ("y", "<u2"), ("on", "?")]).dtype.names
+    ('t', 'x', 'y', 'on')
     """
     events, target = events_of_argument("events", events), np.dtype(dtype)
     places = {name: field[:2] for name, field in (target.fields or {}).items()}

@@ -37,7 +37,22 @@ class Tracks:
     tracks : ndarray
         A row for each object, or cluster of an algorithm without objects, at each note: id, t (us,
         the last event of the package), x, y, vx, vy, size, and its box (left, top, width, height)
-        or covariance (cxx, cxy, cyy); of these what the algorithm tells.
+        or covariance (cxx, cxy, cyy); of these what the algorithm has. px, px/s, px^2, events.
+
+    Raises
+    ------
+    TypeError
+        The algorithm lacks ``process`` or an array of objects or clusters.
+    ValueError
+        `every_ms` is out of range.
+
+    Examples
+    --------
+    >>> scene = asap.synthetic.FlightOverChairs(duration_s=0.2)
+    >>> tracks = asap.Tracks(asap.ClusterTracker(scene.width, scene.height), every_ms=10)
+    >>> run = asap.simulate(scene, cost=asap.LinearCost(2, 70), algorithm=tracks, latency_ms=10)
+    >>> tracks.tracks.dtype.names[:4]
+    ('id', 't', 'x', 'y')
     """
 
     def __init__(self, algorithm: Any, *, every_ms: float | None = None) -> None:

@@ -71,6 +71,19 @@ def table(runs: Iterable[Any]) -> list[dict[str, Any]]:
     ----------
     runs : iterable of Run
         Results of `run`, `simulate`, `map` or `load_run`; inspections too.
+
+    Raises
+    ------
+    TypeError
+        `runs` is no list, or holds something else: name the one run in a list.
+
+    Examples
+    --------
+    >>> scene = asap.synthetic.FlightOverChairs(duration_s=0.1)
+    >>> cost = asap.LinearCost(100, 300)
+    >>> runs = [asap.simulate(scene, cost=cost, latency_ms=ms) for ms in (5, 10)]
+    >>> [row["latency_bound_us"] for row in asap.table(runs)]
+    [5000.0, 10000.0]
     """
     if isinstance(runs, (Result, Mapping)) or not isinstance(runs, Iterable):
         raise TypeError(_checks.named("runs", runs, "give a list of runs"))

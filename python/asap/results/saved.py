@@ -50,12 +50,28 @@ def load_run(path: str | os.PathLike[str]) -> Run:
     `without_log` is True, and `latency` knows the quantiles 0.5, 0.99 and 1. Scheme and algorithm
     come back as names and parameters. Nothing is unpickled.
 
+    Parameters
+    ----------
+    path : path
+        A ``.npz`` or ``.json`` file.
+
+    Returns
+    -------
+    Run
+
     Raises
     ------
     ValueError
         The file holds no run, or one of another version.
     OSError
         The file cannot be read, or is a pipe, a socket or a device.
+
+    Examples
+    --------
+    >>> scene = asap.synthetic.FlightOverChairs(duration_s=0.1)
+    >>> run = asap.simulate(scene, cost=asap.LinearCost(100, 300), latency_ms=10)
+    >>> asap.load_run(run.save("run.npz")).in_time
+    1.0
     """
     file = _checks.folder_or_file("path", path)
     try:
