@@ -625,8 +625,8 @@ class MotionSegmenter(_Algorithm):
         height: int,
         *,
         window_us: int = ...,
-        least_px_s: float = ...,
-        least_share: float = ...,
+        min_px_s: float = ...,
+        min_share: float = ...,
     ) -> None: ...
     def process(self, events: _Events) -> None: ...
     @property

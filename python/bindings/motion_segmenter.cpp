@@ -9,8 +9,8 @@ namespace {
 constexpr const char* kSegmenterDoc = R"(Finds what moves on its own before a moving camera.
 
 Every 10 ms the normal flow of the last 15 ms (`PlaneFlow`) gives the motion of the background: shift, turn
-and zoom, robustly. Cells of 8 px whose flow needs a shift beside it, significant and faster than `least_px_s`
-+ `least_share` x the background's speed, are flagged; five or more that touch are a region, and regions are
+and zoom, robustly. Cells of 8 px whose flow needs a shift beside it, significant and faster than `min_px_s`
++ `min_share` x the background's speed, are flagged; five or more that touch are a region, and regions are
 followed. Where the flow does not cover the frame, the answer is "unknown": before a camera at rest, mostly, and
 before a scene with few edges.
 
@@ -18,9 +18,9 @@ $sensor.
 window_us : int
     us, 1 to 10 000 000, that of the flow: edges must cover some 3 px in it, of slower ones the flow is too
     fast, and with it `camera_motion`.
-least_px_s : float
+min_px_s : float
     px/s, 0 to 10**6: least speed against the background, and
-least_share : float
+min_share : float
     0 to 100: this share of the background's own speed, which keeps depth out.
 
 $refuses
@@ -85,11 +85,11 @@ void bind(py::module_& m) {
           "What `objects` would be at t_us, us, if nothing came until then. A t_us of the past is "
           "the latest time.")
       .def_property_readonly("camera_motion", &camera_motion, kCameraDoc);
-  bind_rest(type, "motion",
-            sized<Config>({keyword("window_us", &Config::window),
-                           keyword("least_px_s", &Config::least_px_s),
-                           keyword("least_share", &Config::least_share)}),
-            R"(The flow that "known" asks for goes with it.)");
+  bind_rest(
+      type, "motion",
+      sized<Config>({keyword("window_us", &Config::window), keyword("min_px_s", &Config::min_px_s),
+                     keyword("min_share", &Config::min_share)}),
+      R"(The flow that "known" asks for goes with it.)");
 }
 
 const AlgorithmBinding binding(&bind);

@@ -336,7 +336,7 @@ MUTANTS: list[Mutant] = [
     *in_file(
         SOURCE + "algorithms/motion/motion_regions.cpp",
         "algorithms",
-        slow_cells_are_flagged=(" && shift.norm() > least_px_s_ + least_share_ * speed", ""),
+        slow_cells_are_flagged=(" && shift.norm() > min_px_s_ + min_share_ * speed", ""),
         what_is_not_significant_is_flagged=("sums.gain(shift) > kSignificant && ", ""),
         a_cell_is_a_region=("kFewestCells = 5", "kFewestCells = 1"),
     ),

@@ -39,7 +39,7 @@ MADE: dict[str, tuple[Make, dict[str, Any]]] = {
     "tos": (asap.ThresholdOrdinalSurface, {"side": 5}),
     "sits": (asap.SpeedInvariantTimeSurface, {"radius": 3}),
     "flow": (asap.PlaneFlow, {"window_us": 900, "min_points": 9, "refit": False}),
-    "motion": (asap.MotionSegmenter, {"window_us": 50_000, "least_px_s": 9.0, "least_share": 0.25}),
+    "motion": (asap.MotionSegmenter, {"window_us": 50_000, "min_px_s": 9.0, "min_share": 0.25}),
     "event_image": (asap.EventImage, {"count": 1000, "channels": ["on", "off"]}),
 }
 
@@ -161,8 +161,8 @@ BAD: list[tuple[Make, dict[str, Any]]] = [
     (asap.PlaneFlow, {"window_us": 0}),
     (asap.PlaneFlow, {"min_points": 0}),
     (asap.MotionSegmenter, {"window_us": 0}),
-    (asap.MotionSegmenter, {"least_px_s": NAN}),
-    (asap.MotionSegmenter, {"least_share": -1}),
+    (asap.MotionSegmenter, {"min_px_s": NAN}),
+    (asap.MotionSegmenter, {"min_share": -1}),
     (asap.EventImage, {"count": -1}),
 ]
 

@@ -25,9 +25,9 @@ constexpr float kSlowest_px_s = 5;
 constexpr float kFastest_px_s = 3000;
 
 const MotionSegmenterConfig& checked(const MotionSegmenterConfig& config) {
-  require(0 <= config.least_px_s && config.least_px_s <= 1e6, "least_px_s", config.least_px_s,
+  require(0 <= config.min_px_s && config.min_px_s <= 1e6, "min_px_s", config.min_px_s,
           "must be 0 to 1e6 px/s");
-  require(0 <= config.least_share && config.least_share <= 100, "least_share", config.least_share,
+  require(0 <= config.min_share && config.min_share <= 100, "min_share", config.min_share,
           "must be 0 to 100");
   return config;
 }
@@ -54,7 +54,7 @@ class MotionSegmenter::Impl {
         flow({.width = given.width, .height = given.height, .window = given.window}),
         recent_(capacity(given)),
         background_(given.width, given.height, capacity(given)),
-        regions_(given.width, given.height, given.least_px_s, given.least_share) {}
+        regions_(given.width, given.height, given.min_px_s, given.min_share) {}
 
   void process(EventSpan events) noexcept {
     constexpr std::size_t kBlock = 256;

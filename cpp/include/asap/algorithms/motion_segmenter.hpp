@@ -31,8 +31,8 @@ struct MotionSegmenterConfig {
   int height;  // px
   // That of PlaneFlow: edges must cover some 3 px in it, of slower ones the flow is too fast.
   std::chrono::microseconds window{60000};
-  double least_px_s = 40;    // least speed against the background, and ...
-  double least_share = 0.5;  // ... this share of the background's own speed
+  double min_px_s = 40;    // least speed against the background, and ...
+  double min_share = 0.5;  // ... this share of the background's own speed
 };
 
 // The background at (x, y) moves with vx - turn (y - cy) + zoom (x - cx) and

@@ -10,9 +10,9 @@ constexpr std::size_t kFewestCells = 5;
 
 }  // namespace
 
-MotionRegions::MotionRegions(int width, int height, double least_px_s, double least_share)
-    : least_px_s_(least_px_s),
-      least_share_(least_share),
+MotionRegions::MotionRegions(int width, int height, double min_px_s, double min_share)
+    : min_px_s_(min_px_s),
+      min_share_(min_share),
       columns_((static_cast<std::size_t>(width) + kCell_px - 1) / kCell_px),
       rows_((static_cast<std::size_t>(height) + kCell_px - 1) / kCell_px),
       cells_(columns_ * rows_),
@@ -91,7 +91,7 @@ void MotionRegions::flag(const BackgroundMotion& background) noexcept {
       const Eigen::Vector2d place = cell_centre(column, row);
       const double speed = background.frame().velocity(background.motion(), place).norm();
       flags_[middle] =
-          sums.gain(shift) > kSignificant && shift.norm() > least_px_s_ + least_share_ * speed;
+          sums.gain(shift) > kSignificant && shift.norm() > min_px_s_ + min_share_ * speed;
     }
   }
 }

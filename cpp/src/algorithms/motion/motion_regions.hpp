@@ -27,7 +27,7 @@ class MotionRegions {
  public:
   static constexpr std::size_t kMost = 64;
 
-  MotionRegions(int width, int height, double least_px_s, double least_share);
+  MotionRegions(int width, int height, double min_px_s, double min_share);
 
   // Valid until the next call. No more than the first kMost, from the top.
   std::span<const Region> find(std::span<const FlowSample> samples,
@@ -89,8 +89,8 @@ class MotionRegions {
   void gather(std::span<const FlowSample> samples, const BackgroundMotion& background) noexcept;
   static Region region_of(const Parts& parts) noexcept;
 
-  double least_px_s_;
-  double least_share_;
+  double min_px_s_;
+  double min_share_;
   std::size_t columns_;
   std::size_t rows_;
   std::vector<Sums> cells_;

@@ -81,10 +81,10 @@ TEST(BackgroundMotion, IsUnknownWhereTheFlowSaysTooLittle) {
   EXPECT_FALSE(knows(noise, 1));  // no motion fits
 }
 
-std::vector<Region> regions_of(const Samples& samples, double least_px_s, double least_share = 0) {
+std::vector<Region> regions_of(const Samples& samples, double min_px_s, double min_share = 0) {
   BackgroundMotion background(kWidth, kHeight, samples.size());
   for (int i = 0; i < 5; ++i) background.fit(samples, 1);
-  MotionRegions regions(kWidth, kHeight, least_px_s, least_share);
+  MotionRegions regions(kWidth, kHeight, min_px_s, min_share);
   const auto found = regions.find(samples, background);
   return {found.begin(), found.end()};
 }
