@@ -25,26 +25,27 @@ int shift_for(int width, int height) {
 NoiseTiles::NoiseTiles(int width, int height)
     : shift_(shift_for(width, height)),
       columns_(tiles_along(width, shift_)),
-      tiles_(columns_ * tiles_along(height, shift_)),
-      sorted_(tiles_.size()) {
+      events_(columns_ * tiles_along(height, shift_)),
+      pixels_(events_.size()),
+      rates_hz_(events_.size()),
+      sorted_(events_.size()) {
   const auto length = [&](std::size_t index, int side) {
     return static_cast<float>(std::min(1 << shift_, side - static_cast<int>(index << shift_)));
   };
-  for (std::size_t i = 0; i < tiles_.size(); ++i) {
-    tiles_[i].pixels = length(i % columns_, width) * length(i / columns_, height);
+  for (std::size_t i = 0; i < pixels_.size(); ++i) {
+    pixels_[i] = length(i % columns_, width) * length(i / columns_, height);
   }
 }
 
 void NoiseTiles::update(float dt_s) noexcept {
   age_s_ += dt_s;
   const float weight = low_pass_weight(decay(dt_s / kMemory_s), dt_s, age_s_);
-  for (std::size_t i = 0; i < tiles_.size(); ++i) {
-    Tile& tile = tiles_[i];
-    const float rate = static_cast<float>(tile.events) / (dt_s * tile.pixels);
-    tile.rate_hz += weight * (rate - tile.rate_hz);
-    tile.events = 0;
-    sorted_[i] = tile.rate_hz;
+  for (std::size_t i = 0; i < events_.size(); ++i) {
+    const float rate = static_cast<float>(events_[i]) / (dt_s * pixels_[i]);
+    rates_hz_[i] += weight * (rate - rates_hz_[i]);
   }
+  std::ranges::fill(events_, 0);
+  std::ranges::copy(rates_hz_, sorted_.begin());
   const auto low = sorted_.begin() + static_cast<std::ptrdiff_t>(3 * sorted_.size() / 10);
   std::nth_element(sorted_.begin(), low, sorted_.end());
   // The 30 % quantile lies 0.52 standard deviations below the mean of the counts; the low pass
@@ -54,7 +55,7 @@ void NoiseTiles::update(float dt_s) noexcept {
 }
 
 float NoiseTiles::rate_near_hz(float x, float y) const noexcept {
-  const std::size_t rows = tiles_.size() / columns_;
+  const std::size_t rows = pixels_.size() / columns_;
   const auto tile_at = [&](float position, std::size_t count) {
     const auto last = static_cast<float>((count << shift_) - 1);
     return static_cast<std::size_t>(std::clamp(position, 0.0F, last)) >> shift_;
@@ -63,24 +64,22 @@ float NoiseTiles::rate_near_hz(float x, float y) const noexcept {
   const std::size_t row = tile_at(y, rows);
   float events_hz = 0;
   float pixels = 0;
-  const auto add = [&](const Tile& tile) {
-    events_hz += tile.rate_hz * tile.pixels;
-    pixels += tile.pixels;
+  const auto add = [&](std::size_t tile) {
+    events_hz += rates_hz_[tile] * pixels_[tile];
+    pixels += pixels_[tile];
   };
   for (std::size_t r = row - (row > 0); r <= std::min(rows - 1, row + 1); ++r) {
     for (std::size_t c = column - (column > 0); c <= std::min(columns_ - 1, column + 1); ++c) {
-      add(tiles_[r * columns_ + c]);
+      add(r * columns_ + c);
     }
   }
-  add(tiles_[row * columns_ + column]);
+  add(row * columns_ + column);
   return events_hz / pixels;
 }
 
 void NoiseTiles::clear() noexcept {
-  for (Tile& tile : tiles_) {
-    tile.events = 0;
-    tile.rate_hz = 0;
-  }
+  std::ranges::fill(events_, 0);
+  std::ranges::fill(rates_hz_, 0.0F);
   age_s_ = 0;
   rate_hz_ = 0;
 }

@@ -63,7 +63,7 @@ class NoiseTiles {
   NoiseTiles(int width, int height);
 
   void count(std::size_t x, std::size_t y) noexcept {
-    ++tiles_[(y >> shift_) * columns_ + (x >> shift_)].events;
+    ++events_[(y >> shift_) * columns_ + (x >> shift_)];
   }
 
   // Updates the rate; the counts are those of the last dt_s.
@@ -77,18 +77,15 @@ class NoiseTiles {
 
   void clear() noexcept;
 
-  std::size_t size() const noexcept { return tiles_.size(); }
+  std::size_t size() const noexcept { return events_.size(); }
 
  private:
-  struct Tile {
-    std::uint32_t events = 0;
-    float rate_hz = 0;  // per pixel
-    float pixels = 0;
-  };
-
   int shift_;
   std::size_t columns_;
-  std::vector<Tile> tiles_;
+  // Of each tile: events since the last update, rate per pixel.
+  std::vector<std::int32_t> events_;
+  std::vector<float> pixels_;
+  std::vector<float> rates_hz_;
   std::vector<float> sorted_;
   float age_s_ = 0;
   float rate_hz_ = 0;
