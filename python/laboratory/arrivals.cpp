@@ -4,9 +4,9 @@
 
 #include "arguments.hpp"
 #include "arrays.hpp"
-#include "asap/synthetic/streams.hpp"
 #include "held.hpp"
 #include "parts.hpp"
+#include "study/poisson_arrivals.hpp"
 
 namespace asap::python {
 namespace {

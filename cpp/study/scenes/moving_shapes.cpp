@@ -5,7 +5,7 @@
 
 #include "core/check.hpp"
 #include "core/random.hpp"
-#include "synthetic/portable_math.hpp"
+#include "study/portable_math.hpp"
 #include "synthetic/scene_checks.hpp"
 
 namespace asap {

@@ -1,4 +1,4 @@
-#include "asap/synthetic/streams.hpp"
+#include "study/poisson_arrivals.hpp"
 
 #include <gtest/gtest.h>
 
