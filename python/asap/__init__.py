@@ -102,33 +102,21 @@ __all__ = [
     "view",
 ]
 
-# Imported when they are first used: modules, and names with the module that they are in.
+# Imported when they are first used: modules, and names by the module that they are in.
 _MODULES = ("analysis", "plots", "synthetic")
 _NAMES = {
-    "Camera": "camera",
-    "CameraError": "camera",
-    "Comparison": "experiment",
-    "Inspection": "inspection",
-    "Pipeline": "experiment",
-    "Run": "experiment",
-    "SoftwareCamera": "camera",
-    "Tiled": "tiled",
-    "cameras": "camera",
-    "Tracks": "experiment",
-    "check": "inspection",
-    "compare": "experiment",
-    "convert": "io.conversion",
-    "info": "inspection",
-    "last_run": "experiment",
-    "load_run": "results",
-    "map": "experiment",  # not in __all__: `import *` leaves Python its own
-    "open_camera": "camera",
-    "oracle": "experiment",
-    "record": "camera",
-    "run": "experiment",
-    "simulate": "experiment",
-    "table": "results",
-    "view": "viewer",
+    name: home
+    for home, names in {
+        "camera": "Camera CameraError SoftwareCamera cameras open_camera record",
+        # map is not in __all__: `import *` leaves Python its own
+        "experiment": "Comparison Pipeline Run Tracks compare last_run map oracle run simulate",
+        "inspection": "Inspection check info",
+        "io.conversion": "convert",
+        "results": "load_run table",
+        "tiled": "Tiled",
+        "viewer": "view",
+    }.items()
+    for name in names.split()
 }
 
 if TYPE_CHECKING:

@@ -25,7 +25,7 @@ FIELD_NAMES = {
     "p": ("p", "ps", "on", "polarity", "polarities", "pol"),
 }
 _UNDERSTOOD = "; ".join(f"{role}: {', '.join(names)}" for role, names in FIELD_NAMES.items())
-_KNOWN = frozenset(name for names in FIELD_NAMES.values() for name in names)
+ROLES = {name: role for role, names in FIELD_NAMES.items() for name in names}
 _REMEDY = (
     f"give an array with named fields ({_UNDERSTOOD}), four columns (t, x, y, p), or an array "
     "of shape (N, 4) with order"
@@ -162,10 +162,10 @@ def _find(source: Any, order: str | None) -> Mapping[str, Any]:
     if names is None:
         names = getattr(source, "columns", None)  # pandas, Polars
     labels = getattr(getattr(source, "index", None), "names", ())  # pandas
-    if names is not None and _KNOWN.intersection(labels):
+    if names is not None and ROLES.keys() & set(labels):
         source = source.reset_index()
         names = source.columns
-    if names is not None and (order is None or len(_KNOWN.intersection(names)) >= len("txy")):
+    if names is not None and (order is None or len(ROLES.keys() & set(names)) >= len("txy")):
         return by_name(source, names, order)
     if hasattr(source, "to_numpy"):
         return _of_array(np.asarray(source.to_numpy()), order)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from asap.events.columns import columns_by_order, columns_of
+from asap.events.columns import ROLES, columns_by_order, columns_of
 from asap.events.values import (
     Columns,
     Events,
@@ -165,6 +165,14 @@ def _clamped(column: npt.NDArray[Any]) -> npt.NDArray[Any]:
     """Move positions to the nearest pixel."""
     inside = np.where(column > _MAX_ADDRESS, _MAX_ADDRESS, np.where(column < 0, 0, column))
     return np.rint(inside) if inside.dtype.kind == "f" else inside
+
+
+def names_by_role(names: Iterable[str]) -> dict[str, str] | None:
+    """Return which of the names is t, x, y and p; None where one has none, or more than one."""
+    found = [(ROLES[name.lower()], name) for name in names if name.lower() in ROLES]
+    if sorted(role for role, _ in found) != sorted("txyp"):
+        return None
+    return dict(sorted(found, key=lambda one: "txyp".index(one[0])))
 
 
 def as_rows(shape: tuple[int, ...], order: str | None = None) -> tuple[int, bool] | None:

@@ -28,6 +28,7 @@ from asap.io.columns import (
     by_order,
     file_columns,
     first_us,
+    names_by_role,
     pieces_of,
     row_before,
 )
@@ -334,12 +335,9 @@ def _is_dataset(group: Any, key: str) -> bool:
 
 
 def _columns(path: Path, name: str, group: Any, datasets: Mapping[str, Any]) -> _Layout | None:
-    columns: dict[str, Any] = {}
-    for role, names in FIELD_NAMES.items():
-        candidates = [key for key in datasets if key.lower() in names]
-        if len(candidates) != 1:
-            return None
-        columns[role] = datasets[candidates[0]]
+    if (names := names_by_role(datasets)) is None:
+        return None
+    columns = {role: datasets[key] for role, key in names.items()}
     shapes = {role: column.shape for role, column in columns.items()}
     if any(sum(side != 1 for side in shape) > 1 or not shape for shape in shapes.values()):
         return None

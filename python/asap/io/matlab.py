@@ -18,9 +18,8 @@ import numpy as np
 import numpy.typing as npt
 
 from asap._checks import named
-from asap.events.columns import FIELD_NAMES
 from asap.events.values import Columns, Events
-from asap.io.columns import as_rows, by_order, file_columns, pieces_of
+from asap.io.columns import as_rows, by_order, file_columns, names_by_role, pieces_of
 from asap.io.errors import (
     CorruptFile,
     CutFile,
@@ -37,7 +36,6 @@ scipy_io = library("scipy.io", "MATLAB", "matlab")
 _FEW = 16  # values, where a size is stated
 _HEADER = 128
 _DEEPEST = 8  # structures in structures
-_ROLES = {name: role for role, names in FIELD_NAMES.items() for name in names}
 _BYTES = {"double": 8, "single": 4, "int8": 1, "int16": 2, "int32": 4, "int64": 8}
 _NUMERIC = (*_BYTES, *(f"u{name}" for name in _BYTES if name.startswith("int")), "logical")
 _BUFFER = ("eventBuffer", "polarityBuffer")
@@ -113,9 +111,8 @@ class MatlabReader:
         """Variables of each stream."""
         numeric = {name: shape for name, (shape, kind) in self._shapes.items() if kind in _NUMERIC}
         found: dict[str, tuple[str, ...]] = {}
-        columns = tuple(name for name in numeric if name.lower() in _ROLES)
-        if sorted(_ROLES[name.lower()] for name in columns) == sorted("txyp"):
-            found["variables"] = columns
+        if columns := names_by_role(numeric):
+            found["variables"] = tuple(columns.values())
         if set(_BUFFER) <= numeric.keys():
             found[_BUFFER[0]] = _BUFFER
         order, stream = self._options.order, self._options.stream
@@ -141,11 +138,8 @@ class MatlabReader:
             if value.dtype.names is None:
                 return self._of_matrix(value)
             values = dict(_structs(next(iter(values)), value))[self._stream]
-        columns = {
-            _ROLES[name.lower()]: np.asarray(value).reshape(-1)
-            for name, value in values.items()
-            if name.lower() in _ROLES
-        }
+        names = names_by_role(values) or {}
+        columns = {role: np.asarray(values[name]).reshape(-1) for role, name in names.items()}
         return file_columns(self._path, columns, self._options.order)
 
     def _of_matrix(self, matrix: npt.NDArray[Any]) -> Columns:
@@ -161,8 +155,7 @@ def _structs(name: str, value: Any, depth: int = 0) -> Iterator[tuple[str, dict[
         return
     record = value.reshape(-1)[0]
     inside = {field: record[field] for field in fields}
-    roles = sorted(_ROLES[field.lower()] for field in fields if field.lower() in _ROLES)
-    if roles == sorted("txyp"):
+    if names_by_role(fields):
         yield name, inside
     for field, part in inside.items():
         yield from _structs(f"{name}.{field}", part, depth + 1)

@@ -19,7 +19,7 @@ import numpy.typing as npt
 from numpy.lib import format as npy
 
 from asap import _core
-from asap.events.columns import FIELD_NAMES
+from asap.events.columns import ROLES
 from asap.events.values import Events
 from asap.io.columns import (
     as_rows,
@@ -200,8 +200,7 @@ class NpzReader:
         names = self._archive.arrays
         if not names:
             raise UnsupportedFormat(f"{self._path}: a zip archive without arrays; unpack it first")
-        understood = {name for names in FIELD_NAMES.values() for name in names}
-        columns = [key for key in names if key in understood]
+        columns = [key for key in names if key in ROLES]
         if len(columns) >= 3:
             return columns
         others = [key for key in names if key != _UNIT and not SIZE.fullmatch(key)]

@@ -22,7 +22,7 @@ from typing import IO
 import numpy as np
 
 from asap import _core
-from asap.events.columns import FIELD_NAMES, check_order
+from asap.events.columns import FIELD_NAMES, ROLES, check_order
 from asap.events.values import Events, are_thousands, time_exponent
 from asap.io.columns import check_polarity, first_us, row_before
 from asap.io.errors import CorruptFile, unclear_unit
@@ -229,9 +229,8 @@ def _name_events(names: list[str]) -> bool:
 
 def _role(name: str) -> tuple[str, str | None]:
     """Role of a column, '-' for none, and the unit that its name states."""
-    for role, known in FIELD_NAMES.items():
-        if name in known:
-            return role, None
+    if name in ROLES:
+        return ROLES[name], None
     for known_time in sorted(FIELD_NAMES["t"], key=len, reverse=True):
         unit = _UNIT.fullmatch(name[len(known_time) :]) if name.startswith(known_time) else None
         if unit:

@@ -447,10 +447,13 @@ def _run_gap(gap_us: int | None) -> str:
 def _ledger_rows(ledger: Mapping[str, int]) -> list[tuple[str, str, str, str]]:
     """Write where every event went: cause, events, share of all and what it means."""
     received = ledger["received"]
+
+    def share_of(events: int) -> str:
+        return _units.share(events / received) if events and received else ""
+
     return [
-        (name, _units.count(n), _units.share(n / received) if n and received else "", words)
+        (name, _units.count(ledger[name]), share_of(ledger[name]), words)
         for name, words in LEDGER_WORDS.items()
-        for n in (ledger[name],)
     ]
 
 
