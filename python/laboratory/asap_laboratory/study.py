@@ -102,7 +102,6 @@ def conduct(
     form: str = "default",
     workers: int | None = None,
     fresh: bool = False,
-    command: str | None = None,
     on_progress: OnProgress | None = None,
 ) -> Conducted:
     """Measure what the folder does not hold yet; write the page, its data and its figures.
@@ -121,8 +120,6 @@ def conduct(
         needs more of them needs ``if __name__ == "__main__":``.
     fresh : bool
         Run everything again.
-    command : str, optional
-        Named in the page; that of the study unless given.
     on_progress : callable, optional
         Called as on_progress(done, total, None) for each batch, in events.
 
@@ -155,7 +152,7 @@ def conduct(
         found = [row for entry in entries for row in entry["rows"]]
         seconds += sum(entry["seconds"] for entry in entries)
         rows += found
-    tables = {**study.summary(rows), "run": [_origin(command or study.command, form, seconds)]}
+    tables = {**study.summary(rows), "run": [_origin(study.command, form, seconds)]}
     write_tables(folder, study.name, tables)
     return write(study, folder, taken_from_file=taken)
 
