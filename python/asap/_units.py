@@ -82,10 +82,17 @@ def tied(text: str) -> str:
     return re.sub(r"(?<=[\d<>]) (?=\S)|(?<=\+-) ", "\xa0", text)
 
 
-def wrapped(text: str, width: int) -> list[str]:
-    """Break a text into lines; a number stays on the line of its unit."""
-    lines = textwrap.wrap(tied(text), width, break_long_words=False, break_on_hyphens=False)
-    return [line.replace("\xa0", " ") for line in lines]
+def wrapped(text: str, width: int, indent: int = 0) -> list[str]:
+    """Break a text into lines, all but the first indented; a number stays beside its unit."""
+    lines = textwrap.wrap(
+        tied(text[indent:]),
+        width,
+        initial_indent=text[:indent],
+        subsequent_indent=" " * indent,
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
+    return [line.replace("\xa0", " ").rstrip() for line in lines or [text]]
 
 
 def aligned(table: Sequence[Sequence[str]], left: int = 1) -> tuple[list[str], str]:

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import os
-import re
-import textwrap
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -181,15 +180,15 @@ class Inspection(Result):
         rows = [_HEAD, *_rows(self)]
         name, found, verdict = (max(len(row[column]) for row in rows) for column in range(3))
         indent = name + found + verdict + 6
-        head, *lines = (
-            _hang(f"{row[0]:<{name}}  {row[1]:>{found}}  {row[2]:<{verdict}}  {row[3]}", indent)
+        head, *checks = (
+            _lines(f"{row[0]:<{name}}  {row[1]:>{found}}  {row[2]:<{verdict}}  {row[3]}", indent)
             for row in rows
         )
-        rule = "-" * max(len(line) for text in lines for line in text.split("\n"))
-        facts = [_hang(f"  {label:<10}{value}", 12) for label, value in _facts(self).items()]
-        remedies = [_hang(f"  {label}: {words}", 4) for label, words in _remedies(self).items()]
-        above, below = [_title(self), *facts, ""], ["", _hang(_verdict(self), 0), *remedies]
-        return "\n".join([*above, head, rule, *lines, *below])
+        rule = "-" * max(len(line) for lines in checks for line in lines)
+        facts = [_lines(f"  {label:<10}{value}", 12) for label, value in _facts(self).items()]
+        remedies = [_lines(f"  {label}: {words}", 4) for label, words in _remedies(self).items()]
+        above, below = [[_title(self)], *facts, [""], head], [[""], _lines(_verdict(self))]
+        return "\n".join(chain(*above, [rule], *checks, *below, *remedies))
 
     def __repr__(self) -> str:
         name = self.path or self.format
@@ -202,6 +201,10 @@ def _pixels(pixels: NDArray[np.void]) -> list[dict[str, int]]:
 
 
 # ---- as text ------------------------------------------------------------------------------------
+
+
+def _lines(text: str, indent: int = 0) -> list[str]:
+    return _units.wrapped(text, _WIDE, indent)
 
 
 def _title(inspection: Inspection) -> str:
@@ -291,17 +294,3 @@ def _remedies(inspection: Inspection) -> dict[str, str]:
     found = [finding for finding in inspection.findings.values() if finding.verdict != "ok"]
     found.sort(key=lambda finding: finding.verdict != "wrong")
     return {_name(finding): finding.remedy for finding in found}
-
-
-def _hang(text: str, indent: int) -> str:
-    # A number stays on the line of its unit.
-    tied = re.sub(r"(?<=[\d=<>]) (?=[^\s\d])", "\xa0", text[indent:])
-    wrapped = textwrap.fill(
-        tied,
-        _WIDE,
-        initial_indent=text[:indent],
-        subsequent_indent=" " * indent,
-        break_long_words=False,
-        break_on_hyphens=False,
-    )
-    return (wrapped or text).replace("\xa0", " ").rstrip()
