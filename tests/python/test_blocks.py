@@ -202,8 +202,7 @@ void write(const std::string&) {}
 void fail(std::string_view) {}
 """
 PLAIN = {  # data, tables and bases that no program makes
-    *("algorithms/tracked_object.hpp", "core/nonblocking.hpp", "core/time.hpp"),
-    *("formats/decoder.hpp", "runner/tiled.hpp"),
+    *("core/nonblocking.hpp", "core/time.hpp", "formats/decoder.hpp", "runner/tiled.hpp"),
 }
 
 

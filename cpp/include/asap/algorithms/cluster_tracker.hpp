@@ -20,7 +20,6 @@
 #include <span>
 #include <vector>
 
-#include "asap/algorithms/tracked_object.hpp"
 #include "asap/core/event.hpp"
 #include "asap/core/result.hpp"
 
@@ -45,6 +44,24 @@ struct Cluster {
   double pxx = std::numeric_limits<double>::infinity();
   double pxy = 0;
   double pyy = std::numeric_limits<double>::infinity();
+};
+
+// One thing that an algorithm follows, at the moment of the question, made of one or more clusters.
+// Plain data; the Python array of objects has these fields in this order.
+struct TrackedObject {
+  std::int64_t id;          // never changes, and outlives stops and short occlusions
+  double x;                 // px, centre
+  double y;                 // px
+  double vx;                // px/s
+  double vy;                // px/s
+  double left;              // px, box
+  double top;               // px
+  double width;             // px
+  double height;            // px
+  std::int64_t size;        // live events
+  std::int64_t t_last;      // us, timestamp of its newest event
+  std::int64_t age_us;      // us, since it began
+  double independent = -1;  // 0 to 1, whether it moves unlike the background; -1: not known
 };
 
 // The ellipse of two standard deviations of a cluster's events: that of a filled disk is its edge.

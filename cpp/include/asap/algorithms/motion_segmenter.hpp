@@ -21,7 +21,7 @@
 #include <optional>
 #include <vector>
 
-#include "asap/algorithms/tracked_object.hpp"
+#include "asap/algorithms/cluster_tracker.hpp"
 #include "asap/core/event.hpp"
 
 namespace asap::inline v0_1 {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "algorithms/motion/motion_regions.hpp"
-#include "asap/algorithms/tracked_object.hpp"
+#include "asap/algorithms/cluster_tracker.hpp"
 
 namespace asap::inline v0_1::motion {
 
