@@ -38,11 +38,6 @@ class EventWindow {
   // The timestamp of the oldest event. Precondition: one was appended.
   std::int64_t oldest_t() const noexcept { return entries_[full_ ? cursor_ : 0].t; }
 
-  // The timestamp of the event appended last. Precondition: one was.
-  std::int64_t newest_t() const noexcept {
-    return entries_[(cursor_ == 0 ? capacity() : cursor_) - 1].t;
-  }
-
   Entry& operator[](Position position) noexcept { return entries_[position]; }
   const Entry& operator[](Position position) const noexcept { return entries_[position]; }
 
