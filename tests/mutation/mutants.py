@@ -33,7 +33,7 @@ def in_file(
 MUTANTS: list[Mutant] = [
     *in_file(
         SOURCE + "buffer/event_buffer.hpp",
-        "buffer",
+        "race",
         threads=True,
         tail_published_relaxed=(
             "tail_.store(tail + taken, std::memory_order_release)",
@@ -87,6 +87,7 @@ MUTANTS: list[Mutant] = [
     *in_file(
         SOURCE + "runner/intake.cpp",
         "runner",
+        "live",
         full_ring_without_wake=("  announce();\n", ""),
         thinned_not_counted=("    discarded_ += block.size() - kept;\n", ""),
         thinning_knows_not_how_much_comes=(
@@ -102,6 +103,7 @@ MUTANTS: list[Mutant] = [
     ),
     *in_file(
         SOURCE + "runner/pipeline.cpp",
+        "live",
         "runner",
         arrival_clamp_removed=(
             "std::clamp(arrival.value_or(now), RunClock::Steady::time_point{}, now)",
@@ -121,6 +123,7 @@ MUTANTS: list[Mutant] = [
     ),
     *in_file(
         SOURCE + "runner/run.cpp",
+        "live",
         "runner",
         overflow_of_the_consumer_lost=(
             "ledger.overflow += overflow;",
@@ -145,6 +148,7 @@ MUTANTS: list[Mutant] = [
     *in_file(
         SOURCE + "runner/pipeline.cpp",
         "runner",
+        "live",
         forgotten_leave=("  live->intake.leave();\n", ""),
         swallowed_exception=("    throw;\n  }\n  finish();", "  }\n  finish();"),
         swallowed_exception_of_the_worker=("        error = std::current_exception();\n", ""),
@@ -153,6 +157,7 @@ MUTANTS: list[Mutant] = [
     ),
     *in_file(
         SOURCE + "runner/consumer_loop.cpp",
+        "live",
         "runner",
         lost_flush=("  packager_.flush(asked.flush);\n", ""),
         flush_without_wake=(
@@ -162,6 +167,7 @@ MUTANTS: list[Mutant] = [
     ),
     *in_file(
         SOURCE + "packager/packager.cpp",
+        "simulation",
         "packager",
         "runner",
         lost_events_shift_the_random_numbers=("  thinner_.skip(count);\n", ""),
@@ -175,7 +181,7 @@ MUTANTS: list[Mutant] = [
     ),
     *in_file(
         SOURCE + "packager/packager.cpp",
-        "runner",
+        "race",
         threads=True,
         slots_free_before_they_are_read=(
             "  observe(package, end_ns);\n  consume(package.raw);",
@@ -184,7 +190,7 @@ MUTANTS: list[Mutant] = [
     ),
     *in_file(
         SOURCE + "packager/books.hpp",
-        "packager",
+        "simulation",
         "runner",
         drop_oldest_not_counted=("telemetry_.overflow += left.count;", ""),
         stale_not_counted=("telemetry_.stale += left.count;", ""),

@@ -21,6 +21,8 @@ from mutants import MUTANTS, Mutant
 ROOT = Path(__file__).resolve().parents[2]
 COPIED = ("CMakeLists.txt", "pyproject.toml", "cpp", "tests")
 WANTED = 0.95
+# The simulated core and the simulated pipeline, in one program; the other tests are of googletest.
+SIMULATIONS = {"simulation": "--seeds 0..99", "live": "--life live --seeds 0..99"}
 
 
 def main() -> int:
@@ -68,7 +70,7 @@ class Workshop:
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
 
     def build(self, tests: tuple[str, ...], threads: bool) -> bool:
-        targets = [f"test_{test}" for test in tests]
+        targets = ["simulation" if test in SIMULATIONS else f"test_{test}" for test in tests]
         command = ["cmake", "--build", self.builds[threads], "--parallel", str(os.cpu_count())]
         command += ["--target", *targets]
         done = subprocess.run(command, capture_output=True, text=True, check=False)
@@ -97,10 +99,14 @@ class Workshop:
 
     def said_by(self, test: str, threads: bool, tests: str, usual: float | None) -> str | None:
         """What a test executable says when it fails."""
-        executable = self.builds[threads] / "tests" / "cpp" / f"test_{test}"
+        folder = self.builds[threads] / "tests"
+        place = "race" if test == "race" else "cpp"
+        command = [folder / place / f"test_{test}", "--gtest_fail_fast", "--gtest_brief=1", tests]
+        if test in SIMULATIONS:
+            command = [folder / "simulation" / "simulation", *SIMULATIONS[test].split()]
         try:
             done = subprocess.run(
-                [executable, "--gtest_fail_fast", "--gtest_brief=1", tests],
+                command,
                 env={**os.environ, "TSAN_OPTIONS": "halt_on_error=1:allocator_may_return_null=1"},
                 stdout=subprocess.PIPE,
                 stderr=subprocess.STDOUT,
@@ -110,13 +116,13 @@ class Workshop:
                 check=False,
             )
         except subprocess.TimeoutExpired:
-            return f"test_{test}, which hangs"
+            return f"{test}, which hangs"
         if done.returncode == 0:
             return None
         if "[  FAILED  ]" in done.stdout:
             return done.stdout
         race = "data race" in done.stdout
-        return f"test_{test}: " + ("data race" if race else f"exit code {done.returncode}")
+        return f"{test}: " + ("data race" if race else f"exit code {done.returncode}")
 
 
 def copy_if_changed(source: str, copy: str) -> None:

@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <vector>
 
@@ -12,9 +12,12 @@
 #include "asap/schemes/asap2020.hpp"
 #include "asap/schemes/fixed.hpp"
 #include "asap/schemes/greedy.hpp"
-#include "packager/rig.hpp"
+#include "asap/telemetry/ledger.hpp"
+#include "core/random.hpp"
+#include "packager/event_times.hpp"
 #include "support/scripted_scheme.hpp"
 #include "support/streams.hpp"
+#include "telemetry/telemetry.hpp"
 
 namespace asap::packager_test {
 namespace {
@@ -24,7 +27,6 @@ using namespace std::chrono_literals;
 using test::at_times;
 using test::evenly_spaced;
 using test::Events;
-using test::number_of;
 using test::numbers_of;
 using test::ScriptedScheme;
 
@@ -33,14 +35,26 @@ using Step = Packager::Step;
 
 constexpr std::int64_t kMicrosecond = 1000;
 constexpr std::int64_t kMillisecond = 1'000'000;
-constexpr std::int64_t kBound_ns = test::PackagerRig::kBound_ns;
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr std::size_t kHuge = std::numeric_limits<std::size_t>::max();
+constexpr std::int64_t kBound_ns = 10'000'000;
 
-struct Rig : test::PackagerRig {
-  explicit Rig(Scheme& scheme, std::size_t capacity = 1024, std::uint64_t seed = 0,
-               std::size_t max_copied = kHuge)
-      : PackagerRig(scheme, capacity, {.seed = seed, .max_copied = max_copied}) {}
+// A ring and a packager, with the books of what went in.
+struct Rig {
+  explicit Rig(Scheme& scheme, std::size_t capacity = 1024, PackagerConfig config = {})
+      : buffer(capacity), packager(buffer, ages, scheme, telemetry, config) {
+    packager.begin(TimeAxis(0, 1.0), 0);
+  }
+
+  void push(EventSpan events) {
+    received += events.size();
+    const std::uint64_t first = buffer.tail();
+    const std::size_t taken = buffer.push(events);
+    ages.observe(events.first(taken), first, [](std::int64_t stamp) { return 1000 * stamp; });
+  }
+
+  Packager::Next next(std::int64_t now_ns) {
+    telemetry.log.make_room();
+    return packager.next(now_ns);
+  }
 
   // The next package, finished after cost_ns.
   std::optional<Package> deliver(std::int64_t now_ns, std::int64_t cost_ns = 0) {
@@ -51,6 +65,21 @@ struct Rig : test::PackagerRig {
     return next.package;
   }
 
+  Ledger ledger() const {
+    return {.received = received,
+            .filtered = telemetry.filtered,
+            .discarded = telemetry.discarded,
+            .stale = telemetry.stale,
+            .overflow = buffer.overflow(),
+            .delivered = telemetry.delivered,
+            .pending = buffer.size()};
+  }
+
+  EventBuffer buffer;
+  AgeSlots ages{kBound_ns / 64};
+  Telemetry telemetry{kBound_ns};
+  Packager packager;
+  std::uint64_t received = 0;
   Events last;  // events of the package delivered last
 };
 
@@ -58,87 +87,7 @@ ScriptedScheme taking(std::size_t raw, double gamma = 1.0) {
   return ScriptedScheme([=](const Backlog&) { return Decision::take(raw, gamma); });
 }
 
-// ---- what a package and its row say
-
-TEST(Packager, ResetsTheSchemeBeforeTheRun) {
-  ScriptedScheme scheme = taking(1);
-  Rig rig(scheme);
-  EXPECT_EQ(scheme.resets, 1);
-}
-
-TEST(Packager, TellsTheSchemeWhatWaits) {
-  std::vector<Backlog> told;
-  std::vector<std::size_t> counts;
-  ScriptedScheme scheme([&](const Backlog& backlog) {
-    told.push_back(backlog);
-    for (const std::int64_t t_us : {0, 100, 101, 200, 250, 301}) {
-      counts.push_back(backlog.counts.before(t_us * kMicrosecond));
-    }
-    return Decision::take(2);
-  });
-  Rig rig(scheme, 4);
-  rig.push(at_times({90, 95}));
-  rig.deliver(1 * kMillisecond, 100);  // so that what follows wraps
-  rig.push(at_times({100, 200, 300}));
-  rig.deliver(2 * kMillisecond);
-  EXPECT_EQ(told[0].previous_start_ns, kLongAgo);
-  EXPECT_EQ(told[1].count, 3u);
-  EXPECT_EQ(told[1].now_ns, 2 * kMillisecond);
-  EXPECT_EQ(told[1].oldest_ns, 100 * kMicrosecond);
-  EXPECT_EQ(told[1].age_ns(), 1900 * kMicrosecond);
-  EXPECT_EQ(told[1].previous_start_ns, 1 * kMillisecond);
-  EXPECT_FALSE(told[1].due);
-  counts.erase(counts.begin(), counts.begin() + 6);
-  EXPECT_EQ(counts, (std::vector<std::size_t>{0, 0, 1, 1, 2, 3}));
-}
-
-TEST(Packager, HandsOutAPackageWithItsStory) {
-  ScriptedScheme scheme = taking(2);
-  Rig rig(scheme, 4);
-  rig.push(at_times({10, 20, 30, 40, 50, 60, 70}));
-  const auto first = rig.deliver(100 * kMicrosecond, 5 * kMicrosecond);
-  ASSERT_TRUE(first);
-  EXPECT_EQ(first->index, 0u);
-  EXPECT_EQ(first->gamma, 1.0);
-  EXPECT_EQ(first->raw, 2u);
-  EXPECT_EQ(first->offered, 2u);
-  EXPECT_EQ(first->stale_before, 0u);
-  EXPECT_EQ(first->overflow_before, 3u);
-  EXPECT_EQ(first->start_ns, 100 * kMicrosecond);
-  const auto second = rig.deliver(200 * kMicrosecond);
-  ASSERT_TRUE(second);
-  EXPECT_EQ(second->index, 1u);
-  EXPECT_EQ(second->overflow_before, 0u);
-  rig.push(at_times({80, 90, 91, 92, 93}));
-  EXPECT_EQ(rig.deliver(300 * kMicrosecond)->overflow_before, 1u);
-}
-
-TEST(Packager, FeedsBackWhatAPackageReallyWas) {
-  ScriptedScheme scheme = taking(3);
-  Rig rig(scheme);
-  rig.push(at_times({100, 150, 300}));
-  rig.deliver(1000, 777);
-  ASSERT_EQ(scheme.outcomes.size(), 1u);
-  EXPECT_EQ(scheme.outcomes[0].size, 3u);
-  EXPECT_EQ(scheme.outcomes[0].raw, 3u);
-  EXPECT_EQ(scheme.outcomes[0].span_ns, 200 * kMicrosecond);
-  EXPECT_EQ(scheme.outcomes[0].start_ns, 1000);
-  EXPECT_EQ(scheme.outcomes[0].processing_ns, 777);
-}
-
-TEST(Packager, DividesStampsBySpeed) {
-  ScriptedScheme scheme = taking(2);
-  Rig rig(scheme);
-  rig.packager.begin(TimeAxis(5'000'000, 2.0), 0);
-  rig.push(at_times({5'000'100, 5'000'300}));
-  rig.deliver(1000 * kMicrosecond, 10 * kMicrosecond);
-  const PackageRow row = rig.telemetry.log[0];
-  EXPECT_EQ(row.start_us, 5'002'000.0);
-  EXPECT_EQ(row.t_first, 5'000'100);
-  EXPECT_DOUBLE_EQ(row.rate, 2e4);  // two in 100 us of wall time
-  EXPECT_EQ(row.margin_us, -90.0);
-  EXPECT_EQ(row.latency_max_us, 960.0);
-}
+// What a package holds event by event, its row and what a scheme is told: tests/simulation.
 
 // ---- where the events lie
 
@@ -166,10 +115,6 @@ TEST(Packager, AcrossTheWrapAPackageIsOnePiece) {
   EXPECT_EQ(numbers_of(rig.last), (Numbers{6, 7, 8, 9, 10, 11}));
 }
 
-// ---- takes that keep nothing, stale events
-
-// ---- flush: nothing waits for a count that does not come
-
 TEST(Packager, SeesNoEventThatCameAfterTheLookAtTheRing) {
   Greedy scheme;
   Rig rig(scheme);
@@ -187,18 +132,6 @@ TEST(Packager, SeesNoEventThatCameAfterTheLookAtTheRing) {
   EXPECT_EQ(next.until_tail, seen + 1);
   EXPECT_EQ(rig.deliver(60 * kMicrosecond)->raw, 2u);
   EXPECT_EQ(rig.next(70 * kMicrosecond).step, Step::ended);
-}
-
-TEST(Packager, EndsWhenTheSourceHasEndedAndNothingWaits) {
-  FixedSize scheme({.size = 100});
-  Rig rig(scheme);
-  rig.push(evenly_spaced(3, 1));
-  EXPECT_EQ(rig.next(0).step, Step::wait);
-  rig.buffer.close();
-  ASSERT_TRUE(rig.deliver(0));
-  EXPECT_EQ(rig.last.size(), 3u);
-  EXPECT_EQ(rig.next(0).step, Step::ended);
-  EXPECT_EQ(rig.next(0).step, Step::ended);
 }
 
 void last_event_of_a_burst_arrives_within_the_bound(Scheme& scheme) {
@@ -230,88 +163,6 @@ TEST(Packager, ReferenceDefect4_APartialPackageIsNotKeptForEver) {
   last_event_of_a_burst_arrives_within_the_bound(fixed_time);
   ScriptedScheme lazy([](const Backlog&) { return Decision::wait_until(kNever); });
   last_event_of_a_burst_arrives_within_the_bound(lazy);
-}
-
-TEST(Packager, FlushesAtTheBoundAndNotBefore) {
-  FixedSize scheme({.size = 1000});
-  Rig rig(scheme);
-  rig.push(at_times({100, 9000}));
-  const std::int64_t due_ns = 100 * kMicrosecond + kBound_ns;
-  const Packager::Next wait = rig.next(due_ns - 1);
-  EXPECT_EQ(wait.step, Step::wait);
-  EXPECT_EQ(wait.until_ns, due_ns);
-  EXPECT_EQ(wait.until_tail, 1000u);
-  ASSERT_TRUE(rig.deliver(due_ns));
-  EXPECT_EQ(rig.last.size(), 2u);
-}
-
-TEST(Packager, FlushesAFullRing) {
-  for (const std::size_t capacity : {1u, 2u, 8u}) {
-    FixedSize scheme({.size = 1000});
-    Rig rig(scheme, capacity);
-    const Events events = evenly_spaced(capacity, 1);
-    rig.push(EventSpan(events).first(capacity - 1));
-    const Packager::Next wait = rig.next(0);
-    EXPECT_EQ(wait.step, Step::wait);
-    EXPECT_EQ(wait.until_tail, capacity) << "it wakes when the ring is full";
-    rig.push(EventSpan(events).last(1));
-    ASSERT_TRUE(rig.deliver(0));
-    EXPECT_EQ(rig.last.size(), capacity);
-  }
-}
-
-// ---- a scheme that answers nonsense does no harm
-
-TEST(Packager, TakesAtLeastOneAndAtMostWhatWaits) {
-  for (const std::size_t raw : {std::size_t{0}, std::size_t{1}, std::size_t{99}, kHuge}) {
-    ScriptedScheme scheme = taking(raw);
-    Rig rig(scheme);
-    rig.push(evenly_spaced(5, 1));
-    ASSERT_TRUE(rig.deliver(0));
-    EXPECT_EQ(rig.last.size(), raw <= 1 ? 1u : 5u);
-    EXPECT_TRUE(rig.ledger().balanced());
-  }
-}
-
-TEST(Packager, KeepsAllForAGammaThatIsNone) {
-  for (const double gamma : {kNaN, 2.0, std::numeric_limits<double>::infinity()}) {
-    ScriptedScheme scheme = taking(5, gamma);
-    Rig rig(scheme);
-    rig.push(evenly_spaced(5, 1));
-    const auto package = rig.deliver(0);
-    ASSERT_TRUE(package);
-    EXPECT_EQ(rig.last.size(), 5u);
-    EXPECT_EQ(package->gamma, 1.0);
-  }
-  for (const double gamma : {-1.0, -std::numeric_limits<double>::infinity()}) {
-    ScriptedScheme scheme = taking(5, gamma);
-    Rig rig(scheme);
-    rig.push(evenly_spaced(5, 1));
-    EXPECT_FALSE(rig.deliver(0));
-    EXPECT_EQ(rig.ledger().discarded, 5u);
-  }
-}
-
-TEST(Packager, AWaitThatIsOverLetsTimePass) {
-  for (const std::int64_t until_ns :
-       {kLongAgo, std::int64_t{-1}, std::int64_t{0}, std::int64_t{7}}) {
-    ScriptedScheme scheme([=](const Backlog&) { return Decision::wait_until(until_ns); });
-    Rig rig(scheme);
-    rig.push(at_times({0}));
-    const Packager::Next next = rig.next(7);
-    EXPECT_EQ(next.step, Step::wait);
-    EXPECT_EQ(next.until_ns, 8);
-  }
-  for (const std::size_t count : {0u, 1u, 3u}) {
-    ScriptedScheme scheme([=](const Backlog&) { return Decision::wait_for(count); });
-    Rig rig(scheme);
-    rig.push(evenly_spaced(3, 1));
-    EXPECT_EQ(rig.next(7).until_tail, 4u);
-  }
-  ScriptedScheme scheme([](const Backlog&) { return Decision::wait_for(kHuge); });
-  Rig rig(scheme, 8);
-  rig.push(evenly_spaced(3, 1));
-  EXPECT_EQ(rig.next(7).until_tail, 8u);
 }
 
 TEST(Packager, ReferenceDefect5_AbsurdTimesGiveNoNaN) {
@@ -356,109 +207,87 @@ TEST(Packager, TakesThatKeepNothingCountToTheNextPackage) {
   EXPECT_NEAR(estimate, 10'000, 100) << "the last ones have no package yet";
 }
 
-// ---- the promises, over random streams, schemes and decisions
-
-void keeps_its_promises(Scheme& scheme, std::uint64_t seed, std::size_t capacity, bool loses) {
-  const CounterRandom random(seed);
-  const Events events = test::random_stream(seed, 5000);
-  Rig rig(scheme, capacity, seed, seed % 2 == 0 ? kHuge : 1 + capacity / 4);
-  std::int64_t now_ns = 0;
-  std::int64_t last = -1;  // number of the newest event delivered
-  std::size_t at = 0;
-  for (std::uint64_t round = 0;; ++round) {
-    ASSERT_LT(round, 200'000u) << "it does not come to an end";
-    std::size_t arrived = at;
-    while (arrived < events.size() && 1000 * events[arrived].t <= now_ns) ++arrived;
-    rig.push(EventSpan(events).subspan(at, arrived - at));
-    at = arrived;
-    if (at == events.size()) rig.buffer.close();
-
-    const Packager::Next next = rig.next(now_ns);
-    ASSERT_TRUE(rig.ledger().balanced());
-    ASSERT_LE(rig.ledger().pending, capacity);
-    if (next.step == Step::ended) break;
-    if (next.step == Step::wait) {
-      ASSERT_GT(next.until_ns, now_ns);
-      if (rig.buffer.size() > 0) {
-        ASSERT_LE(next.until_ns, 1000 * rig.buffer.peek()[0].t + kBound_ns);
-      }
-      ASSERT_GT(next.until_tail, rig.buffer.tail());
-      ASSERT_LE(next.until_tail, rig.buffer.head() + capacity);
-      const std::int64_t arrival_ns = at < events.size() ? 1000 * events[at].t : now_ns;
-      now_ns = std::min(next.until_ns, std::max(arrival_ns, now_ns + 1));
-      continue;
-    }
-    const Package package = next.package;
-    ASSERT_FALSE(package.events.empty());
-    ASSERT_LE(package.events.size(), package.raw);
-    for (const Event& event : package.events) {
-      const auto number = static_cast<std::int64_t>(number_of(event));
-      ASSERT_EQ(event, events[static_cast<std::size_t>(number)]);
-      ASSERT_GT(number, last);
-      if (!loses && rig.buffer.overflow() == 0) {
-        ASSERT_EQ(number, last + 1);
-      }
-      last = number;
-    }
-    now_ns += static_cast<std::int64_t>(random(round) % 3'000'000);
-    rig.packager.complete(package, now_ns);
-    ASSERT_TRUE(rig.ledger().balanced());
-  }
-  const Ledger ledger = rig.ledger();
-  EXPECT_EQ(ledger.received, events.size());
-  EXPECT_EQ(ledger.pending, 0u);
-  if (!loses) {
-    EXPECT_EQ(ledger.delivered + ledger.overflow, ledger.received);
-  }
-  std::int64_t offered = 0;
-  std::int64_t delivered = 0;
-  for (std::size_t i = 0; i < rig.telemetry.log.size(); ++i) {
-    offered += rig.telemetry.log[i].offered;
-    delivered += rig.telemetry.log[i].size;
-  }
-  EXPECT_EQ(static_cast<std::uint64_t>(delivered), ledger.delivered);
-  EXPECT_LE(static_cast<std::uint64_t>(offered), ledger.delivered + ledger.discarded);
-  EXPECT_EQ(rig.telemetry.latency.count(), ledger.delivered);
-}
-
-TEST(Packager, KeepsItsPromisesUnderEveryScheme) {
-  for (std::uint64_t seed = 0; seed < 5; ++seed) {
-    for (const std::size_t capacity : {1u, 2u, 7u, 100u, 10'000u}) {
-      SCOPED_TRACE(testing::Message() << "seed " << seed << ", capacity " << capacity);
-      FixedSize fixed_size({.size = 37});
-      keeps_its_promises(fixed_size, seed, capacity, false);
-      FixedTime fixed_time({.period = 700us});
-      keeps_its_promises(fixed_time, seed, capacity, false);
-      SingleEvent single_event;
-      keeps_its_promises(single_event, seed, capacity, false);
-      Greedy greedy;
-      keeps_its_promises(greedy, seed, capacity, false);
-      Asap2020 asap2020({.rate_bound = 1e5, .first_size = 20});
-      keeps_its_promises(asap2020, seed, capacity, true);
-    }
-  }
-}
-
-TEST(Packager, KeepsItsPromisesUnderNonsense) {
+// The parts stand for all events that thinning has seen, too: whole and anytime packages in any
+// order, with and without a filter in front. The last event is taken whole and passes that filter:
+// what was thinned behind the last part is told with it.
+TEST(Packager, LosesNothingAndDoublesNothing) {
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
-    const CounterRandom random(~seed);
-    std::uint64_t asked = 0;
+    const CounterRandom random(seed);
+    std::uint64_t draws = 0;
+    const auto draw = [&](std::uint64_t limit) { return random(draws++) % limit; };
+    bool takes_all = false;
     ScriptedScheme scheme([&](const Backlog& backlog) {
-      const std::uint64_t bits = random(asked++);
-      const auto some = [&](int shift) {
-        const std::size_t choices[] = {0, 1, 5, backlog.count, backlog.count + 1, kHuge};
-        return choices[(bits >> shift) % 6];
-      };
-      const double keeps[] = {0, 1, 0.5, kNaN, -1, 2};
-      const std::int64_t times[] = {kLongAgo, 0, backlog.now_ns, backlog.now_ns + 100, kNever};
-      return Decision{.takes = bits % 3 != 0,
-                      .until_ns = times[(bits >> 8) % 5],
-                      .until_count = some(16),
-                      .stale = bits % 7 == 0 ? some(24) : 0,
-                      .raw = some(32),
-                      .gamma = keeps[(bits >> 40) % 6]};
+      if (takes_all) return Decision::take(backlog.count);
+      const double keeps[] = {1, 0.3, 0};
+      const double costs[] = {0, 100, 10'000};
+      // One by one: as arguments, each compiler would draw them in an order of its own.
+      const double keep = keeps[draw(3)], cost = costs[draw(3)];
+      const std::size_t raw = 1 + draw(2 * backlog.count);
+      const auto budget_ns = static_cast<std::int64_t>(draw(3)) * kMillisecond / 2;
+      Decision decision = Decision::take(raw, keep);
+      decision.budget_ns = draw(4) == 0 ? kNever : budget_ns;
+      decision.event_ns = cost;
+      return decision;
     });
-    keeps_its_promises(scheme, seed, 1 + seed * seed, true);
+    const std::size_t capacity = 500 + 300 * draw(8);
+    const std::size_t max_copied = seed % 2 == 0 ? capacity : 1 + draw(capacity);
+    FrontFilter front_filter;
+    if (seed % 3 == 0) {
+      front_filter = [](EventSpan events, std::span<Event> out) {
+        const auto is_even = [](const Event& event) { return event.t % 2 == 0; };
+        return static_cast<std::size_t>(
+            std::copy_if(events.begin(), events.end(), out.begin(), is_even) - out.begin());
+      };
+    }
+    Rig rig(scheme, capacity,
+            {.seed = seed, .front_filter = front_filter, .max_copied = max_copied});
+    const Events events = evenly_spaced(30'001, 1);
+    std::size_t at = 0;
+    std::int64_t now_ns = 0;
+    std::int64_t last = -1;
+    double estimate = 0;
+    while (!takes_all || rig.buffer.size() > 0) {
+      const std::size_t free = capacity - rig.buffer.size();
+      takes_all = at + 1 == events.size() && rig.buffer.size() == 0;
+      const std::size_t more =
+          takes_all ? 1 : std::min<std::size_t>({draw(900), free, events.size() - 1 - at});
+      rig.push(EventSpan(events).subspan(at, more));
+      at += more;
+      const Packager::Next next = rig.packager.next(now_ns);
+      if (next.step != Step::package) {
+        now_ns = std::min(next.until_ns, now_ns + kMillisecond);
+        continue;
+      }
+      Package package = next.package;
+      rig.telemetry.log.make_room();
+      const std::uint64_t head = rig.buffer.head();
+      Numbers parts;
+      for (;;) {
+        const EventSpan part = rig.packager.stratum(package, now_ns);
+        if (part.empty()) break;
+        estimate += static_cast<double>(part.size()) / package.gamma;
+        for (const std::uint64_t number : numbers_of(part)) parts.push_back(number);
+        now_ns += static_cast<std::int64_t>(draw(draw(10) == 0 ? 5'000'000 : 50'000));
+      }
+      ASSERT_EQ(numbers_of(package.events), parts);
+      for (const std::uint64_t number : parts) {
+        ASSERT_GT(static_cast<std::int64_t>(number), last);
+        last = static_cast<std::int64_t>(number);
+      }
+      rig.packager.complete(package, now_ns);
+      ASSERT_EQ(rig.buffer.head(), head + package.raw);
+      ASSERT_GE(package.raw, 1u);
+      ASSERT_LT(last, static_cast<std::int64_t>(rig.buffer.head()));
+      ASSERT_TRUE(rig.ledger().balanced());
+    }
+    std::uint64_t offered = 0;
+    for (std::size_t i = 0; i < rig.telemetry.log.size(); ++i) {
+      offered += static_cast<std::uint64_t>(rig.telemetry.log[i].offered);
+    }
+    EXPECT_LE(offered, 30'001u);
+    const Ledger ledger = rig.ledger();
+    EXPECT_EQ(ledger.delivered + ledger.discarded + ledger.filtered, 30'001u);
+    EXPECT_NEAR(estimate, static_cast<double>(ledger.delivered + ledger.discarded), 1e-6);
   }
 }
 
