@@ -75,36 +75,5 @@ TEST(Asap2020, FollowsTheLawOverRandomOutcomes) {
   }
 }
 
-TEST(Asap2020, GammaFallsAboveTheRateBoundAndRecovers) {
-  Asap2020 scheme({.rate_bound = 1e6, .epsilon = 0.0});
-  const auto observe_rate = [&](double rate) {
-    const double span_ns = 1000 / rate * 1e9;
-    scheme.observe({.size = 1000,
-                    .raw = 1000,
-                    .span_ns = std::llround(span_ns),
-                    .start_ns = 0,
-                    .processing_ns = std::llround(span_ns)});
-    return wish(scheme).gamma;
-  };
-  EXPECT_DOUBLE_EQ(observe_rate(1e6), 1.0);
-  EXPECT_DOUBLE_EQ(observe_rate(4e6), 0.25);
-  EXPECT_EQ(wish(scheme).raw, 4000u);  // 1000 kept events behind a gamma of 1/4
-  EXPECT_DOUBLE_EQ(observe_rate(2e6), 0.125);
-  EXPECT_DOUBLE_EQ(observe_rate(1e6), 0.125 * 1.02);
-  EXPECT_DOUBLE_EQ(observe_rate(1e9), 0.02);
-  for (int i = 0; i < 198; ++i) observe_rate(1e5);
-  EXPECT_DOUBLE_EQ(observe_rate(1e5), 1.0);
-}
-
-TEST(Asap2020, WaitsForItsSizeUnlessDue) {
-  Asap2020 scheme({.first_size = 3});
-  EXPECT_EQ(scheme.decide(FakeBacklog::of(2).at(0)).takes, false);
-  EXPECT_EQ(scheme.decide(FakeBacklog::of(2).at(0)).until_count, 3u);
-  EXPECT_EQ(scheme.decide(FakeBacklog::of(2).at(0, true)).raw, 2u);
-  EXPECT_EQ(scheme.decide(FakeBacklog::of(3).at(0)).raw, 3u);
-  EXPECT_EQ(scheme.decide(FakeBacklog::of(9).at(0)).raw, 3u);  // the rest waits
-  EXPECT_EQ(scheme.decide(FakeBacklog::of(9).at(0, true)).raw, 3u);
-}
-
 }  // namespace
 }  // namespace asap::asap2020_test

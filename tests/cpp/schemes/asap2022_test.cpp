@@ -195,17 +195,6 @@ TEST(Asap2022, GammaChattersAtAConstantRate) {
   }
 }
 
-TEST(Asap2022, TakesAtMostItsSizeAndWaitsForItUnlessDue) {
-  Asap2022 scheme({.first_size = 3});
-  EXPECT_FALSE(scheme.decide(FakeBacklog::of(2).at(0)).takes);
-  EXPECT_EQ(scheme.decide(FakeBacklog::of(2).at(0)).until_count, 3u);
-  EXPECT_EQ(scheme.decide(FakeBacklog::of(2).at(0, true)).raw, 2u);
-  EXPECT_EQ(scheme.decide(FakeBacklog::of(3).at(0)).raw, 3u);
-  EXPECT_EQ(scheme.decide(FakeBacklog::of(9).at(0)).raw, 3u);  // the rest waits
-  EXPECT_EQ(scheme.decide(FakeBacklog::of(9).at(0, true)).raw, 3u);
-  EXPECT_EQ(scheme.decide(FakeBacklog::of(9).at(0)).gamma, 1.0);
-}
-
 // notebooks/theory.md, 12 (5): without feedback the node's gamma was 0, later NaN for good.
 TEST(Asap2022, NoFeedbackDoesNotLockIt) {
   Asap2022 scheme;

@@ -46,15 +46,6 @@ TEST(Hold, NoLongerThanAQuarterOfTheBound) {
   EXPECT_FALSE(wait(rule, {.interval_ns = 2'500'000}));
 }
 
-// With (1 / u - 1) alpha / beta events the fixed cost of the package is the share u by itself.
-TEST(Hold, EndsWhenAPackageKeepsTheOverheadByItself) {
-  const HoldRule rule(0.25, 0s);  // 3 alpha / beta = 1000 events
-  const auto waits = wait(rule, {.count = 999});
-  ASSERT_TRUE(waits);
-  EXPECT_EQ(waits->until_count, 1000u);
-  EXPECT_FALSE(wait(rule, {.count = 1000}));
-}
-
 TEST(Hold, EndsWhenAPackageIsEfficient) {
   const HoldRule rule(0.001, 0s);  // an overhead below 5 %: 19 alpha / beta = 6333.3 events
   const auto waits = wait(rule, {.count = 6333});
@@ -78,21 +69,6 @@ TEST(Hold, LimitsTheNumberOfPackages) {
   EXPECT_EQ(crowd->until_count, kAny);
   EXPECT_FALSE(wait(rule, {.count = 100'000, .interval_ns = 1'000'000}));
   EXPECT_FALSE(wait(rule, {.age_ns = 1'000'000, .interval_ns = 300'000}));
-}
-
-TEST(Hold, AnIntervalBeyondHalfTheBoundIsNotKept) {
-  const HoldRule rule(0, 500ms);
-  EXPECT_EQ(rule.shortest_ns(1e10), 5e8);
-  EXPECT_EQ(rule.shortest_ns(1e7), 5e6);
-  const auto waits = wait(rule, {.interval_ns = 4'999'999});
-  ASSERT_TRUE(waits);
-  EXPECT_EQ(waits->until_ns, kNow + 1);
-  EXPECT_FALSE(wait(rule, {.interval_ns = 5'000'000}));
-}
-
-TEST(Hold, WhatIsDueIsNotHeld) {
-  EXPECT_TRUE(wait(HoldRule(0.25, 1ms), {}));
-  EXPECT_FALSE(wait(HoldRule(0.25, 1ms), {.due = true}));
 }
 
 // Asked again at the time or the count that it named, it lets go, or waits for something later.
@@ -141,8 +117,7 @@ struct LawConfig {
 // Takes all, in half the bound.
 class Law final : public BoundedScheme {
  public:
-  explicit Law(LawConfig config = {}, CostModelConfig cost = {})
-      : BoundedScheme(config, cost), config_(config) {}
+  explicit Law(LawConfig config = {}) : BoundedScheme(config), config_(config) {}
 
   Decision decide(const Backlog& backlog) noexcept override {
     const Decision decision = Decision::take(backlog.count);
@@ -150,19 +125,10 @@ class Law final : public BoundedScheme {
   }
   std::string_view name() const noexcept override { return "law"; }
   SchemeParameters parameters() const override { return parameters_in_force(config_); }
-  std::uint64_t packages() const noexcept { return packages_; }
 
  private:
   const LawConfig config_;
 };
-
-void observe(Law& law, std::size_t size) {
-  law.observe({.size = size,
-               .raw = size,
-               .span_ns = 0,
-               .start_ns = 0,
-               .processing_ns = static_cast<std::int64_t>(200'000 + 300 * size)});
-}
 
 TEST(BoundedScheme, TellsTheBoundInForceAmongItsParameters) {
   Law law({.latency = 12'346ns, .overhead = 0.5});
@@ -173,22 +139,6 @@ TEST(BoundedScheme, TellsTheBoundInForceAmongItsParameters) {
   EXPECT_EQ(law.parameters(), (SchemeParameters{{"overhead", 0.5}, {"latency_ms", 20.0}}));
   law.set_latency_bound_ns(12'346);
   EXPECT_EQ(law.parameters()[1].second, SchemeParameter(0.012346));
-}
-
-TEST(BoundedScheme, LearnsTheCostOfPackagesThatRanAndForgetsItInAReset) {
-  Law law({}, {.first_alpha_us = 7, .first_beta_ns = 8});
-  EXPECT_DOUBLE_EQ(law.alpha_ns(), 7e3);
-  EXPECT_DOUBLE_EQ(law.beta_ns(), 8);
-  observe(law, 0);
-  EXPECT_EQ(law.packages(), 0u);
-  EXPECT_DOUBLE_EQ(law.alpha_ns(), 7e3);
-  for (int k = 0; k < 200; ++k) observe(law, std::size_t{100} << (k % 7));
-  EXPECT_EQ(law.packages(), 200u);
-  EXPECT_NEAR(law.alpha_ns(), 200e3, 2e3);
-  EXPECT_NEAR(law.beta_ns(), 300, 3);
-  law.reset(Execution::whole);
-  EXPECT_EQ(law.packages(), 0u);
-  EXPECT_DOUBLE_EQ(law.alpha_ns(), 7e3);
 }
 
 }  // namespace

@@ -71,29 +71,6 @@ Errors closed_loop(CostModel model, const Factor& factor, std::uint64_t seed,
   return worst;
 }
 
-TEST(CostModel, FindsAnExactLine) {
-  CostModel model;
-  for (std::size_t size = 1; size <= 64; size *= 2) {
-    model.update(package(size, kAlphaNs + kBetaNs * static_cast<double>(size)));
-  }
-  EXPECT_EQ(model.count(), 7u);  // the seventh drops the first guess
-  EXPECT_NEAR(model.alpha_ns(), kAlphaNs, 1e-6 * kAlphaNs);
-  EXPECT_NEAR(model.beta_ns(), kBetaNs, 1e-6 * kBetaNs);
-  EXPECT_NEAR(model.predict_ns(1e6), kAlphaNs + kBetaNs * 1e6, 1e-3 * kBetaNs * 1e6);
-}
-
-TEST(CostModel, FirstFitByHand) {
-  CostModel model({.first_alpha_us = 1, .first_beta_ns = 1});
-  model.update(
-      package(1, 2000));  // replaces the first guess at 1: the line goes through (1, 2000) and
-  EXPECT_NEAR(model.predict_ns(1), 2000, 1e-6);  // the guess at 8192, which is 9192
-  EXPECT_NEAR(model.predict_ns(8192), 9192, 1e-6);
-  model.update(package(1, 4000));  // a twentieth of the way to 2960: 3 sigma + .03 is .48 at first
-  EXPECT_NEAR(model.predict_ns(1), 2048, 1e-6);
-  model.update(package(1, 1024));  // a third of the way
-  EXPECT_NEAR(model.predict_ns(1), 2048 - 1024.0 / 3, 1);
-}
-
 TEST(CostModel, OtherSizesAreNotForgotten) {
   CostModel model;
   for (std::size_t k = 0; k < 24; ++k) {
@@ -335,16 +312,6 @@ TEST(CostModel, TheSlopeLimitsASize) {
   EXPECT_LT(model.safe_size(7e6, 1.0, 1.5), 0.9 * exact) << "caution with events";
 }
 
-TEST(CostModel, AFirstGuessThatHoldsLetsSizesGrow) {
-  CostModel holds({.first_alpha_us = 5000, .first_beta_ns = 1});
-  CostModel fails({.first_alpha_us = 500, .first_beta_ns = 1});
-  for (CostModel* model : {&holds, &fails}) model->update(package(1, 5e6));
-  EXPECT_EQ(holds.safe_size(13e6, 1.0, 1.0), 64.0);
-  EXPECT_EQ(fails.safe_size(13e6, 1.0, 1.0), 3.0);
-  holds.update(package(64, 50e6));
-  EXPECT_LT(holds.safe_size(100e6, 1.0, 1.0), 64.0 * 8) << "it holds no more";
-}
-
 // A smaller package that took a little longer is noise; a much dearer one is news.
 TEST(CostModel, ASmallPackageThatIsSlowByNoiseResetsNothing) {
   CostModel model;
@@ -419,32 +386,6 @@ TEST(CostModel, DoesNotRunAwayInClosedLoop) {
   }
   EXPECT_GT(worst, 0.95);
   EXPECT_LT(worst_without, 0.5);  // the trap is there
-}
-
-TEST(CostModel, WrongFirstGuessesAreGoneAfterSixUpdates) {
-  for (const double alpha_error : {0.01, 1.0, 100.0}) {
-    for (const double beta_error : {0.01, 1.0, 100.0}) {
-      CostModel model({.first_alpha_us = 100 * alpha_error, .first_beta_ns = 300 * beta_error});
-      std::size_t size = 2;
-      for (int k = 0; k < 7; ++k, size *= 2) {
-        model.update(package(size, kAlphaNs + kBetaNs * static_cast<double>(size)));
-      }
-      EXPECT_NEAR(model.alpha_ns(), kAlphaNs, 1e-6 * kAlphaNs);
-      EXPECT_NEAR(model.beta_ns(), kBetaNs, 1e-6 * kBetaNs);
-    }
-  }
-}
-
-TEST(CostModel, WrongFirstGuessesAreGoneAfterSixUpdatesOfOneSize) {
-  for (const double error : {1e-4, 0.01, 100.0, 1e4}) {
-    for (const std::size_t size : {1u, 100u, 10'000u, 100'000'000u}) {
-      CostModel model({.first_alpha_us = 100 * error, .first_beta_ns = 300 * error});
-      const double n = static_cast<double>(size);
-      for (int k = 0; k < 7; ++k) model.update(package(size, kAlphaNs + kBetaNs * n));
-      EXPECT_NEAR(model.predict_ns(n) / (kAlphaNs + kBetaNs * n), 1.0, 1e-6)
-          << error << " at " << size;
-    }
-  }
 }
 
 TEST(CostModel, NeverNegativeNorNaNWhateverIsFed) {

@@ -68,32 +68,12 @@ TEST(DeadBeat, DoubtsAFixedCostThatRulesTheBoundOut) {
   }
 }
 
-TEST(DeadBeat, TakesAllThatWaitsWhileItFits) {
-  DeadBeat scheme = trained({.knee = 0});
-  const Decision decision = decide(scheme, 10'000, 2 * kMs);
-  EXPECT_TRUE(decision.takes);
-  EXPECT_EQ(decision.raw, 10'000u);
-  EXPECT_EQ(decision.gamma, 1.0);
-  EXPECT_EQ(decision.stale, 0u);
-  EXPECT_EQ(decision.budget_ns, 5 * kMs);
-  EXPECT_NEAR(decision.fixed_ns, kAlphaNs, 1e-3);
-  EXPECT_NEAR(decision.event_ns, kBetaNs, 1e-3);
-}
-
 TEST(DeadBeat, ThinsToHalfTheBound) {
   DeadBeat scheme = trained({.knee = 0});
   const Decision decision = decide(scheme, 50'000, 5 * kMs);
   EXPECT_EQ(decision.raw, 50'000u);  // all of it leaves
   EXPECT_NEAR(size_of(decision), (5e6 - 1e5) / 300, 1);
   EXPECT_EQ(decision.budget_ns, 5 * kMs);
-}
-
-TEST(DeadBeat, EndsBeforeTheOldestIsTooOld) {
-  DeadBeat scheme = trained({.knee = 0});
-  const Decision decision = decide(scheme, 50'000, 7 * kMs);
-  EXPECT_EQ(decision.budget_ns, 3 * kMs);
-  EXPECT_NEAR(size_of(decision), (3e6 - 1e5) / 300, 1);
-  EXPECT_EQ(decision.stale, 0u);
 }
 
 TEST(DeadBeat, DropsWhatIsTooOldForHalfAPackage) {

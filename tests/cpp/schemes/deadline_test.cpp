@@ -42,18 +42,6 @@ TEST(OutageReserve, GrowsWithTheShareOfLateEvents) {
   EXPECT_NEAR(reserve.ns(kBound, kAlpha), 0.05 * (2.25 - 0.015) * kBound, 1e-9);
 }
 
-TEST(OutageReserve, ShrinksWhileNothingIsLate) {
-  OutageReserve reserve;
-  for (int k = 0; k < 4; ++k) reserve.observe(5000, kSpan, kBound);
-  const double before = reserve.ns(kBound, kAlpha);
-  for (int k = 0; k < 100; ++k) reserve.observe(1000, kSpan, kBound);
-  EXPECT_NEAR(reserve.ns(kBound, kAlpha), before - 100 * 0.05 * 0.005 * kBound, 1e-9);
-  for (int k = 0; k < 1000; ++k) reserve.observe(10, kSpan, kBound);
-  EXPECT_EQ(reserve.ns(kBound, kAlpha), 0.0);
-  reserve.observe(1400, kSpan, kBound);  // there is no debt
-  EXPECT_NEAR(reserve.ns(kBound, kAlpha), 0.05 * 0.995 * kBound, 1e-9);
-}
-
 TEST(OutageReserve, AHundredthOfTheBoundIsNoOutage) {
   OutageReserve reserve;
   for (int k = 0; k < 100; ++k) reserve.observe(1010, 10, kBound);

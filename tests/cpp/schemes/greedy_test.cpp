@@ -14,21 +14,6 @@ void observe(Greedy& scheme, std::size_t size, std::int64_t processing_ns) {
       {.size = size, .raw = size, .span_ns = 0, .start_ns = 0, .processing_ns = processing_ns});
 }
 
-TEST(Greedy, TakesAllThatWaitsAtOnce) {
-  Greedy scheme;
-  for (const std::size_t count : {1u, 2u, 1000u, 100'000u}) {
-    const auto backlog = FakeBacklog::of(count);
-    for (const bool due : {false, true}) {
-      const Decision decision = scheme.decide(backlog.at(0, due));
-      EXPECT_TRUE(decision.takes);
-      EXPECT_EQ(decision.raw, count);
-      EXPECT_EQ(decision.gamma, 1.0);
-      EXPECT_EQ(decision.stale, 0u);
-    }
-    observe(scheme, count, 1'000'000);
-  }
-}
-
 // eta / (1 - eta) alpha / beta, and before the first package 50 us + 100 ns per event are assumed.
 TEST(Greedy, TheEfficiencyCapsThePackage) {
   for (const auto& [efficiency, cap] : {std::pair{0.5, 500u}, {0.75, 1500u}, {0.9375, 7500u}}) {

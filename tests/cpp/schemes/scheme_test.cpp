@@ -57,7 +57,8 @@ std::vector<double> decisions(Scheme& scheme, std::uint64_t seed) {
       EXPECT_LE(decision.raw + decision.stale, backlog.count);
       EXPECT_TRUE(decision.gamma >= 0.0 && decision.gamma <= 1.0);
       EXPECT_GE(decision.budget_ns, 1);
-      EXPECT_TRUE(std::isfinite(decision.event_ns));
+      EXPECT_TRUE(std::isfinite(decision.event_ns) && decision.event_ns >= 0.0);
+      EXPECT_TRUE(std::isfinite(decision.fixed_ns) && decision.fixed_ns >= 0.0);
     } else {
       EXPECT_FALSE(backlog.due);
       EXPECT_TRUE(decision.until_ns > kNow || decision.until_count > backlog.count);
