@@ -66,16 +66,6 @@ TEST(IntakeThin, APushLargerThanTheRoomIsThinnedOverAllOfItself) {
   }
 }
 
-TEST(IntakeThin, WhatGetsInDoesNotDependOnTheSizeOfThePushes) {
-  for (const std::size_t count : {std::size_t{1}, std::size_t{70}, std::size_t{7'000}}) {
-    Rig rig(10'000, WhenFull::thin);
-    const Events events = evenly_spaced(count, 1);
-    for (std::size_t pushed = 0; pushed < 70'000; pushed += count) rig.intake.take(events, 0);
-    // 2500 / (1 + (70000 - 7500) / 2500)
-    EXPECT_NEAR(static_cast<double>(rig.buffer.size()), 10'000 - 96, 40) << count;
-  }
-}
-
 TEST(IntakeThin, OneFreeSlotIsEnoughForAnyPushNotToOverflow) {
   for (const std::size_t capacity : {1U, 2U, 3U, 4U, 5U, 64U, 255U, 256U, 257U, 1000U, 4096U}) {
     Rig rig(capacity, WhenFull::thin);
@@ -91,15 +81,6 @@ TEST(IntakeThin, OneFreeSlotIsEnoughForAnyPushNotToOverflow) {
     EXPECT_EQ(rig.accounted(), pushed);
     EXPECT_GE(rig.buffer.size() + 1, capacity / 2);
   }
-}
-
-TEST(IntakeThin, ARingThatNobodyEmptiesFillsAndOverflows) {
-  Rig rig(100, WhenFull::thin);
-  for (int push = 0; push < 10'000; ++push) rig.intake.take(evenly_spaced(10, 1), push);
-  EXPECT_EQ(rig.buffer.size(), 100u);
-  EXPECT_GT(rig.buffer.overflow(), 90'000u);
-  EXPECT_EQ(rig.accounted(), 100'000u);
-  EXPECT_EQ(rig.intake.max_waiting(), 100u);
 }
 
 TEST(IntakeThin, TheTableSaysHowManyAreMissingBefore) {

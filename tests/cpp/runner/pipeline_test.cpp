@@ -66,65 +66,6 @@ struct Camera {
   std::jthread thread;
 };
 
-TEST(Pipeline, DeliversWhatAnotherThreadPushesInOrder) {
-  const Events events = evenly_spaced(300'000, 1);
-  Deadline scheme({.latency = 1h});
-  Pipeline pipeline(scheme, {.capacity = std::size_t{1} << 20, .execution = Execution::whole});
-  std::jthread producer([&] {
-    for (std::size_t i = 0; i < events.size(); i += 1000) {
-      EXPECT_TRUE(pipeline.push(EventSpan(events).subspan(i, 1000)));
-    }
-    pipeline.stop();
-  });
-  std::uint64_t next = 0;
-  std::uint64_t index = 0;
-  Package package;
-  while (pipeline.next(package, kLong) == Next::package) {
-    EXPECT_EQ(package.index, index++);
-    for (const Event& event : package.events) ASSERT_EQ(number_of(event), next++);
-  }
-  producer.join();
-  const PipelineStats stats = pipeline.stats();
-  EXPECT_EQ(stats.ledger.received, 300'000u);
-  EXPECT_EQ(stats.ledger.delivered, 300'000u);
-  EXPECT_EQ(stats.ledger, (Ledger{.received = 300'000, .delivered = 300'000}));
-  EXPECT_EQ(stats.packages.count, index);
-  EXPECT_EQ(stats.packages.size, 300'000u);
-  EXPECT_EQ(stats.latency.count(), 300'000u);
-  EXPECT_FALSE(stats.open);
-}
-
-TEST(Pipeline, TheLedgerBalancesOverMillionsInOverload) {
-  constexpr std::uint64_t kEvents = 4'000'000;
-  Asap2020 scheme({.rate_bound = 1e5, .first_size = 100});
-  Pipeline pipeline(scheme, {.capacity = 20'000, .validator = {.width = 400, .height = 400}});
-  Camera camera(pipeline, 777, kEvents);
-  std::jthread watcher([&](const std::stop_token& done) {
-    while (!done.stop_requested()) {
-      const PipelineStats stats = pipeline.stats();
-      EXPECT_TRUE(stats.ledger.balanced());
-      EXPECT_LE(stats.ledger.delivered, stats.ledger.received);
-      std::this_thread::yield();
-    }
-  });
-  std::jthread stopper([&] {
-    camera.thread.join();
-    pipeline.stop();
-  });
-  std::uint64_t delivered = 0;
-  pipeline.run([&](const Package& package) { delivered += package.events.size(); });
-  stopper.join();
-  watcher.request_stop();
-  watcher.join();
-  const Ledger ledger = pipeline.ledger();
-  EXPECT_TRUE(ledger.balanced());
-  EXPECT_EQ(ledger.received, camera.pushed);
-  EXPECT_EQ(ledger.rejected, ledger.received / 777 * 377) << "x from 400 on";
-  EXPECT_EQ(ledger.delivered, delivered);
-  EXPECT_EQ(ledger.pending, 0u);
-  EXPECT_GT(ledger.discarded, 0u);
-}
-
 // Windows of what happened between two looks, as a monitor forms them.
 TEST(Pipeline, ALookIsOfOneMoment) {
   FixedSize singly({.size = 1});
@@ -144,18 +85,6 @@ TEST(Pipeline, ALookIsOfOneMoment) {
   pipeline.stop(false);
   pipeline.join();
   EXPECT_GT(before.ledger.delivered, 0u);
-}
-
-TEST(Pipeline, TheLastEventOfABurstIsDeliveredWithinTheBound) {
-  test::ScriptedScheme scheme(only_when_due());
-  Pipeline pipeline(scheme, {.latency = 30ms, .execution = Execution::whole});
-  Package package;
-  EXPECT_EQ(pipeline.next(package, 1ms), Next::idle);
-  const auto before = Steady::now();
-  pipeline.push(evenly_spaced(100, 1));
-  ASSERT_EQ(pipeline.next(package, kLong), Next::package) << "nothing follows";
-  EXPECT_GE(Steady::now() - before, 29ms) << "the scheme waits as long as it may";
-  EXPECT_EQ(package.events.size(), 100u);
 }
 
 TEST(Pipeline, FlushWaitsForNothing) {
@@ -220,28 +149,6 @@ TEST(Pipeline, APushAfterStopIsRefusedAndNotCounted) {
   EXPECT_EQ(pipeline.ledger().received, 1u);
 }
 
-TEST(Pipeline, EndsFromAnyStateSoon) {
-  for (int round = 0; round < 300; ++round) {
-    Deadline scheme({.latency = 5ms});
-    Pipeline pipeline(scheme, {.capacity = 5000});
-    Camera camera(pipeline, 1 + static_cast<std::size_t>(round) * 7,
-                  round % 3 == 0 ? 0 : 1'000'000'000);
-    std::jthread consumer;
-    if (round % 5 != 0) consumer = std::jthread([&] { pipeline.run([](EventSpan) {}); });
-    if (round % 2 != 0) std::this_thread::sleep_for(std::chrono::microseconds(round * 3));
-    const auto asked = Steady::now();
-    pipeline.stop(round % 4 == 0);
-    if (consumer.joinable()) consumer.join();
-    camera.thread.join();
-    ASSERT_LT(Steady::now() - asked, 20s);
-    ASSERT_TRUE(pipeline.ledger().balanced());
-    ASSERT_EQ(pipeline.ledger().received, camera.pushed);
-    if (round % 4 == 0 && round % 5 != 0) {
-      ASSERT_EQ(pipeline.ledger().pending, 0u);
-    }
-  }
-}
-
 TEST(Pipeline, StopsFromInsideTheAlgorithm) {
   Greedy scheme;
   Pipeline pipeline(scheme);
@@ -281,27 +188,6 @@ TEST(Pipeline, AnExceptionComesOutUnchangedAndStops) {
   pipeline.stop();
   pipeline.run(work);
   EXPECT_EQ(pipeline.ledger(), (Ledger{.received = 10, .delivered = 10}));
-}
-
-TEST(Pipeline, RestartsFromNothingWhileTheCameraGoesOn) {
-  Greedy scheme;
-  Pipeline pipeline(scheme, {.capacity = 5000});
-  // It does not know that the pipeline restarts.
-  std::jthread camera([&](const std::stop_token& done) {
-    const Events events = evenly_spaced(100, 0);
-    while (!done.stop_requested()) pipeline.push(events);
-  });
-  for (int round = 0; round < 50; ++round) {
-    std::size_t delivered = 0;
-    pipeline.run([&](EventSpan events) {
-      delivered += events.size();
-      if (delivered > 1000) pipeline.stop();
-    });
-    ASSERT_TRUE(pipeline.ledger().balanced());
-    ASSERT_EQ(pipeline.ledger().delivered, delivered);
-    ASSERT_EQ(pipeline.ledger().pending, 0u);
-    pipeline.start();
-  }
 }
 
 TEST(Pipeline, ANewRunTakesTheMemoryOfTheOneBefore) {
@@ -532,24 +418,6 @@ void deliver_all(Pipeline& run) {
   }
 }
 
-TEST(Pipeline, AgesCountFromTheArrivalWhateverTheStamps) {
-  Greedy scheme;
-  Pipeline run(scheme, kWhole);
-  const auto arrival = Steady::now() - 5s;
-  run.push(test::evenly_spaced(100, 1'000'000'000, 77), arrival);  // stamps of 28 hours
-  run.push(test::at_times({200'000'000'000}), arrival + 2s);
-  deliver_all(run);
-  const LatencyHistogram& latency = run.stats().latency;
-  EXPECT_EQ(latency.count(), 101u);
-  EXPECT_GE(latency.max_ns(), 5'000'000'000);
-  EXPECT_LT(latency.max_ns(), 50'000'000'000);
-  EXPECT_NEAR(latency.mean_ns(), static_cast<double>(latency.max_ns()) - 2e9 / 101, 1e6);
-  const PackageRow row = run.log()[0];
-  EXPECT_EQ(row.latency_max_us, static_cast<double>(latency.max_ns()) * 1e-3);
-  EXPECT_NEAR(row.start_us + row.processing_us - 77, row.latency_max_us, 1.0)
-      << "the run's axis begins with the first arrival at its stamp";
-}
-
 TEST(Pipeline, AShorterBoundTellsArrivalsApartThatALongerOneTakesTogether) {
   Greedy scheme;
   RunConfig config = kWhole;
@@ -562,42 +430,6 @@ TEST(Pipeline, AShorterBoundTellsArrivalsApartThatALongerOneTakesTogether) {
   deliver_all(run);
   const LatencyHistogram& latency = run.stats().latency;
   EXPECT_NEAR(latency.mean_ns(), static_cast<double>(latency.max_ns()) - 250e6, 1e4);
-}
-
-TEST(Pipeline, AnArrivalInTheFutureIsNowAndOneBeforeTheLastIsThat) {
-  Greedy scheme;
-  Pipeline run(scheme, kWhole);
-  run.push(test::at_times({1}), Steady::now() - 1s);
-  run.push(test::at_times({2}), Steady::now() - 9s);
-  deliver_all(run);
-  EXPECT_LT(run.stats().latency.max_ns(), 5'000'000'000);
-  run.push(test::at_times({3}), Steady::now() + 100s);
-  deliver_all(run);
-  EXPECT_EQ(run.ledger().delivered, 3u);
-  EXPECT_LT(run.stats().sensor_delay_max_ns, 5'000'000'000);
-}
-
-TEST(Pipeline, ARefusedEventIsCountedAndSoIsWhatCameBefore) {
-  Greedy scheme;
-  RunConfig config = kWhole;
-  config.validator = {.width = 50, .height = 50, .on_bad = OnBad::raise};
-  Pipeline run(scheme, config);
-  EXPECT_THROW(run.push(test::evenly_spaced(60, 10), {}), std::invalid_argument);
-  EXPECT_EQ(run.ledger(), (Ledger{.received = 51, .rejected = 1, .pending = 50}));
-}
-
-TEST(Pipeline, TheNewestThatDoNotFitOverflow) {
-  Greedy scheme;
-  RunConfig config = kWhole;
-  config.capacity = 100;
-  config.when_full = WhenFull::keep_oldest;
-  Pipeline run(scheme, config);
-  run.push(test::evenly_spaced(150, 1), {});
-  EXPECT_EQ(run.ledger(), (Ledger{.received = 150, .overflow = 50, .pending = 100}));
-  Package package;
-  ASSERT_EQ(run.next(package, 0ns), Next::package);
-  EXPECT_EQ(package.lost_before(), 50u);
-  EXPECT_EQ(test::number_of(package.events.front()), 0u);
 }
 
 TEST(Pipeline, SaysHowManyHaveWaitedAtMost) {
@@ -643,36 +475,6 @@ TEST(Pipeline, AFilterInFrontThatSaysMoreThanThereIsIsNotBelieved) {
   run.push(test::evenly_spaced(100, 10));
   deliver_all(run);
   EXPECT_EQ(run.ledger(), (Ledger{.received = 100, .delivered = 100}));
-}
-
-TEST(Pipeline, EveryEventOfAPackageInPartsHasItsOwnAge) {
-  test::ScriptedScheme scheme([](const Backlog& backlog) {
-    Decision decision = Decision::take(backlog.count);
-    decision.budget_ns = 1'000'000'000'000;
-    return decision;
-  });
-  Pipeline run(scheme, {.latency = 1s, .execution = Execution::anytime});
-  const auto arrival = Steady::now() - 1s;
-  for (int push = 0; push < 10; ++push) {
-    run.push(test::evenly_spaced(640, 1, 640 * push), arrival + push * 10ms);
-  }
-  run.stop();
-  std::size_t parts = 0;
-  run.run([&](const Package&) { ++parts; });
-  EXPECT_GT(parts, run.log().totals().count);
-  const LatencyHistogram& latency = run.stats().latency;
-  EXPECT_EQ(latency.count(), 6400u);
-  EXPECT_NEAR(latency.mean_ns(), static_cast<double>(latency.max_ns()) - 45e6, 5e6);
-}
-
-TEST(Pipeline, SaysWhatItDropsWhileASensorWarmsUp) {
-  Greedy scheme;
-  RunConfig config = kWhole;
-  config.validator.warmup_discard = 50us;
-  Pipeline run(scheme, config);
-  run.push(test::evenly_spaced(100, 1));
-  EXPECT_EQ(run.stats().rejected.before_start, 50u);
-  EXPECT_EQ(run.ledger(), (Ledger{.received = 100, .rejected = 50, .pending = 50}));
 }
 
 TEST(Pipeline, TheBoundOfACopyIsConfigured) {
@@ -760,56 +562,6 @@ TEST(Pipeline, WithoutALogTheTotalsAreThere) {
 
 RunConfig whole(std::size_t capacity, WhenFull when_full) {
   return {.capacity = capacity, .execution = Execution::whole, .when_full = when_full};
-}
-
-test::ScriptedScheme::Rule all_that_waits() {
-  return [](const Backlog& backlog) { return Decision::take(backlog.count); };
-}
-
-TEST(PipelineThin, OverflowStaysZeroAndGammaSaysIt) {
-  test::ScriptedScheme scheme(all_that_waits());
-  Pipeline pipeline(scheme, whole(1000, WhenFull::thin));
-  for (int push = 0; push < 150; ++push) {
-    pipeline.push(evenly_spaced(10, 0, push), std::chrono::steady_clock::now());
-    std::this_thread::sleep_for(10us);  // steps of the arrival table
-  }
-  Package package;
-  ASSERT_EQ(pipeline.next(package, kLong), Next::package);
-  EXPECT_NEAR(package.gamma, 938.0 / 1500, 0.02);  // 750 + 250 - 250 / (1 + 750 / 250)
-  pipeline.stop();
-  EXPECT_EQ(pipeline.next(package, kLong), Next::ended);
-  const PipelineStats stats = pipeline.stats();
-  EXPECT_EQ(stats.ledger.received, 1500u);
-  EXPECT_EQ(stats.ledger.overflow, 0u);
-  EXPECT_EQ(stats.ledger.discarded, 1500 - stats.ledger.delivered);
-  EXPECT_NEAR(static_cast<double>(stats.ledger.delivered), 938, 25);
-  EXPECT_TRUE(stats.ledger.balanced());
-  EXPECT_EQ(stats.max_waiting, stats.ledger.delivered);
-}
-
-TEST(PipelineOldest, AFullRingLosesItsOlderHalf) {
-  Greedy scheme;
-  Pipeline pipeline(scheme, whole(100, WhenFull::keep_newest));
-  pipeline.push(evenly_spaced(130, 1));
-  Package package;
-  ASSERT_EQ(pipeline.next(package, kLong), Next::package);
-  EXPECT_EQ(number_of(package.events.front()), 50u);
-  EXPECT_EQ(package.events.size(), 50u);
-  EXPECT_EQ(package.overflow_before, 80u) << "30 that did not fit, 50 that made room";
-  pipeline.stop();
-  EXPECT_EQ(pipeline.next(package, kLong), Next::ended);
-  EXPECT_EQ(pipeline.ledger(), (Ledger{.received = 130, .overflow = 80, .delivered = 50}));
-}
-
-TEST(PipelineOldest, ARingThatIsNotFullLosesNothing) {
-  Greedy scheme;
-  for (const std::size_t events : {std::size_t{99}, std::size_t{1}}) {
-    Pipeline pipeline(scheme, whole(events == 1 ? 1 : 100, WhenFull::keep_newest));
-    pipeline.push(evenly_spaced(events, 1));
-    Package package;
-    ASSERT_EQ(pipeline.next(package, kLong), Next::package);
-    EXPECT_EQ(package.events.size(), events) << "nor one of a single slot";
-  }
 }
 
 TEST(PipelineBlock, AFileIsNeitherThinnedNorLost) {
@@ -1086,18 +838,6 @@ TEST(PipelineWorker, IsWaitedForNoLongerThanAsked) {
   hangs.notify_all();
   EXPECT_THROW(pipeline.join_for(std::chrono::nanoseconds::max()), std::domain_error);
   EXPECT_TRUE(pipeline.join_for(0ns));
-}
-
-TEST(PipelineWorker, BeginsAnew) {
-  std::atomic<std::uint64_t> delivered = 0;
-  Pipeline pipeline{kPatient, [&](EventSpan part) { delivered += part.size(); }};
-  for (std::uint64_t round = 1; round <= 20; ++round) {
-    EXPECT_TRUE(pipeline.push(evenly_spaced(100, 1)));
-    pipeline.stop();
-    pipeline.start();
-    EXPECT_EQ(delivered, 100 * round) << "it was drained before";
-    EXPECT_EQ(pipeline.ledger(), Ledger{});
-  }
 }
 
 TEST(PipelineWorker, AnyThreadMayStartAndWait) {

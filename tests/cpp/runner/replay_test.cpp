@@ -16,7 +16,6 @@
 #include "asap/schemes/asap2020.hpp"
 #include "asap/schemes/fixed.hpp"
 #include "asap/schemes/greedy.hpp"
-#include "runner/read_ahead.hpp"
 #include "runner/run.hpp"
 #include "support/errors.hpp"
 #include "support/scripted_scheme.hpp"
@@ -124,28 +123,6 @@ TEST(Replay, AnAlgorithmThatIsNoneIsRefusedBeforeTheRun) {
   EXPECT_EQ(replay.ledger().delivered, 10u);
 }
 
-TEST(Replay, TheMaskLeadsBackToTheEventsThatWereGiven) {
-  Events events = test::random_stream(2, 20'000);
-  for (std::size_t i = 0; i < events.size(); i += 100) events[i].p = 7;  // comes as 1
-  for (std::size_t i = 50; i < events.size(); i += 100) events[i].t = -1;
-  Asap2020 scheme({.rate_bound = 1e5, .first_size = 50});
-  Replay replay(scheme, {.speed = 50}, {.keep_mask = true});
-  SpanSource source(events);
-  std::vector<std::uint64_t> delivered;
-  replay.run(source, [&](EventSpan package) {
-    for (const Event& event : package) delivered.push_back(test::number_of(event));
-  });
-  const KeptEvents reading = replay.kept().value();
-  std::vector<std::uint64_t> kept;
-  for (std::size_t i = 0; i < reading.kept.size(); ++i) {
-    if (reading.kept[i] == 1) kept.push_back(i);
-  }
-  EXPECT_EQ(reading.kept.size(), events.size());
-  EXPECT_EQ(kept, delivered);
-  EXPECT_LT(kept.size(), 19'800u);
-  EXPECT_EQ(reading.first.size(), replay.log().size());
-}
-
 TEST(Replay, APackageStartsAfterItsEventsHaveArrived) {
   const Events events = evenly_spaced(5000, 40, 1'600'000'000'123'456);
   FixedSize scheme({.size = 100});
@@ -187,16 +164,6 @@ TEST(Replay, ACallableGetsAPackageInOneCallUnlessItAsksForParts) {
   }
 }
 
-TEST(Replay, CountsWhatItRejects) {
-  const Events events{{1, 1, 1, 0}, {10, 1, 1, 1}, {1, 1, 1, 5}, {1, 1, 1, 4}};
-  Greedy scheme;
-  Replay replay(scheme, {}, {.validator = {.width = 10, .height = 10}});
-  SpanSource source(events);
-  replay.run(source, [](const Package&) {});
-  EXPECT_EQ(replay.ledger(), (Ledger{.received = 4, .rejected = 2, .delivered = 2}));
-  EXPECT_EQ(replay.stats().rejected, (Rejections{.nonmonotonic = 1, .out_of_bounds = 1}));
-}
-
 // Its second chunk comes once the algorithm has had the first.
 class StepSource final : public EventSource {
  public:
@@ -234,27 +201,6 @@ TEST(Replay, DeliversWhatHasComeWhileTheSourceIsSilent) {
   replay.run(source, [&](const Package&) { source.see(); });
   EXPECT_TRUE(source.was_seen_in_time);
   EXPECT_EQ(replay.ledger().delivered, 2u);
-}
-
-TEST(Replay, AnExceptionOfTheAlgorithmComesOutUnchanged) {
-  const Events events = evenly_spaced(50'000, 20);  // a second
-  FixedSize scheme({.size = 10});
-  // No flush, however long this thread may have to wait for its turn.
-  Replay replay(scheme, {}, {.latency = 1000s, .capacity = 65'536});
-  SpanSource source(events);
-  int calls = 0;
-  const int code = trouble_of([&] {
-    replay.run(source, [&](const Package&) {
-      if (++calls == 4) throw Trouble{7};
-    });
-  });
-  EXPECT_EQ(code, 7);
-  EXPECT_EQ(calls, 4);
-  EXPECT_TRUE(replay.stats().failed);
-  const Ledger ledger = replay.ledger();
-  EXPECT_EQ(ledger.delivered, 30u);
-  EXPECT_GE(ledger.pending, 10u);
-  EXPECT_TRUE(ledger.balanced());
 }
 
 TEST(Replay, AnExceptionOfTheSourceComesOutWhenAllIsDelivered) {

@@ -46,21 +46,6 @@ TEST(RunConfig, RefusesABoundThatIsNotTheSchemes) {
             "latency = 0.015658 ms: differs from the bound of the scheme; give one of the two");
 }
 
-TEST(RunConfig, RefusesABadBoundByName) {
-  const Greedy greedy;
-  const auto error = [&](std::chrono::nanoseconds latency) {
-    return test::error_of([&] { (void)latency_bound_ns({.latency = latency}, greedy); });
-  };
-  const std::string range = ": must be between 0.01 and 1e7 ms";
-  EXPECT_EQ(error(0ns), "latency = 0 ms" + range);
-  EXPECT_EQ(error(9'999ns), "latency = 0.009999 ms" + range);
-  EXPECT_EQ(error(-1ms), "latency = -1 ms" + range);
-  EXPECT_EQ(error(10'001s), "latency = 10001000 ms" + range);
-  for (const std::chrono::nanoseconds edge : {10'000ns, 10'000'000'000'000ns}) {
-    EXPECT_EQ(latency_bound_ns({.latency = edge}, greedy), edge.count());
-  }
-}
-
 // A bare number is no time.
 static_assert(!std::is_convertible_v<double, decltype(RunConfig::latency)>);
 static_assert(!std::is_convertible_v<int, decltype(RunConfig::latency)>);

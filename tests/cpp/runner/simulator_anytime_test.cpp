@@ -24,7 +24,6 @@ namespace {
 using namespace std::chrono_literals;
 
 using test::at_times;
-using test::evenly_spaced;
 using test::Events;
 using test::ScriptedScheme;
 

@@ -239,21 +239,6 @@ TEST(Simulator, AnExceptionOfTheConsumerComesOutUnchanged) {
   }
 }
 
-TEST(Simulator, AFunctionIsTheCostThatItReturns) {
-  const Events events = evenly_spaced(1000, 30);
-  for (const Execution execution : {Execution::whole, Execution::anytime}) {
-    const auto rows = [&](SimulatedCost cost) {
-      FixedSize scheme({.size = 100});
-      Simulator simulator(scheme, std::move(cost), {.execution = execution});
-      simulator.feed(events);
-      simulator.finish();
-      return rows_of(simulator);
-    };
-    EXPECT_EQ(rows([](std::size_t n, double) { return 100.0 + 10.0 * static_cast<double>(n); }),
-              rows(slow()));
-  }
-}
-
 TEST(Simulator, ACostThatIsNoTimeIsRefusedByItsCall) {
   FixedSize scheme({.size = 10});
   Simulator simulator(scheme, [](std::size_t, double t_us) { return t_us < 1000 ? 1.0 : -1.0; });
@@ -268,27 +253,6 @@ TEST(Simulator, ACostThatIsNoneIsRefused) {
   FixedSize scheme;
   EXPECT_EQ(test::error_of([&] { Simulator(scheme, CostFunction()); }),
             "cost = none: give the us that n events take");
-}
-
-TEST(Simulator, ASpeedDividesTheStamps) {
-  Events slow_events = evenly_spaced(1000, 40);
-  Events fast_events = evenly_spaced(1000, 10);
-  const auto run = [](EventSpan events, double speed) {
-    FixedSize scheme({.size = 10});
-    Simulator simulator(scheme, slow(), {.capacity = 200}, {}, speed);
-    simulator.feed(events);
-    simulator.finish();
-    return simulator.stats();
-  };
-  const RunStats stats = run(slow_events, 4);
-  const RunStats expected = run(fast_events, 1);
-  EXPECT_GT(expected.ledger.overflow, 0u);
-  EXPECT_EQ(stats.ledger, expected.ledger);
-  EXPECT_EQ(stats.latency.max_ns(), expected.latency.max_ns());
-  EXPECT_EQ(stats.gap_us, expected.gap_us);
-  FixedSize scheme;
-  EXPECT_EQ(test::error_of([&] { Simulator(scheme, slow(), {}, {}, 0); }),
-            "speed = 0: must be between 0.001 and 1e6");
 }
 
 TEST(Simulator, ItsStatsAreThoseOfTheRun) {
@@ -309,15 +273,6 @@ TEST(Simulator, ItsStatsAreThoseOfTheRun) {
   EXPECT_FALSE(stats.failed);
   EXPECT_EQ(stats.latency.since(earlier.latency).count(),
             (stats.ledger - earlier.ledger).delivered);
-}
-
-TEST(Simulator, CountsRejectedEvents) {
-  Greedy scheme;
-  Simulator simulator(scheme, slow(), {.validator = {.width = 10, .height = 10}});
-  simulator.feed(Events{{1, 1, 1, 0}, {10, 1, 1, 1}, {1, 10, 1, 2}, {1, 1, 1, 3}, {1, 1, 1, 2}});
-  simulator.finish();
-  EXPECT_EQ(simulator.ledger(), (Ledger{.received = 5, .rejected = 3, .delivered = 2}));
-  EXPECT_EQ(simulator.stats().rejected, (Rejections{.nonmonotonic = 1, .out_of_bounds = 2}));
 }
 
 // Losses of every kind: rejected, filtered, discarded by gamma, stale, overflow.
