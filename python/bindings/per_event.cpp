@@ -155,9 +155,9 @@ void def_rest(const py::object& type, const char* name, const NativeAlgorithm& c
   if (gamma != nullptr) {
     def_method(
         type, "set_gamma",
-        [calls](const py::object& self, double gamma) {
+        [calls](const py::object& self, double fraction) {
           const Worker worker(calls.open, self);
-          calls.set_gamma(worker.get(), gamma);
+          calls.set_gamma(worker.get(), fraction);
         },
         py::arg("gamma"),
         documented("Tells the fraction of the events that reaches it, 0 <= gamma <= 1.\n\n" +

@@ -270,10 +270,9 @@ void bind(py::module_& m) {
       },
       py::arg("latency_ms"), "The latency bound to the ns; ValueError for one out of range.");
 
-  Class<RunConfig> config(m, "RunConfig", "What the runners have in common.");
-  bind_constructor(config, run_keywords());
-  config
-      .def(
+  Class<RunConfig> type(m, "RunConfig", "What the runners have in common.");
+  bind_constructor(type, run_keywords());
+  type.def(
           "latency_bound_us",
           [](const RunConfig& one, const Held<Scheme>& scheme) {
             return static_cast<double>(latency_bound_ns(one, *scheme)) * 1e-3;
