@@ -34,7 +34,8 @@ max_radius_px : float
 confirm_events : float
     Recent events from which a cluster has an id, 2 to 60 000.
 coast_ms : float
-    ms, 0.001 to 60 000: how long an id outlives its events.
+    ms, 0.001 to 60 000: how long the id of a cluster that has stopped outlives its events. One that moves
+    on unseen keeps it for some 150 ms; an object keeps its id for longer.
 
 $refuses
 

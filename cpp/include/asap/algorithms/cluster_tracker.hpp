@@ -101,7 +101,8 @@ struct ClusterTrackerConfig {
   double max_radius_px = 66;    // longest half-axis of the elliptic gate of a mature one
   double confirm_events = 14;   // recent events from which it has an id; a small one 4/7 of it
 
-  // Time from too few events to deletion: an id outlives an occlusion by it.
+  // Time from too few events to deletion. The velocity decays meanwhile: what stops keeps its id
+  // for it, what moves on behind something for some .15 s. An object keeps its id for longer.
   std::chrono::nanoseconds coast = std::chrono::milliseconds(250);
 };
 
