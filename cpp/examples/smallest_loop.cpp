@@ -12,7 +12,7 @@
 int main() {
   using namespace std::chrono_literals;
   asap::ClusterTracker tracker{{.width = 346, .height = 260}};
-  // anytime: a call costs the tracker nothing, so a package may come in parts and end on the clock.
+  // anytime: a package comes in parts, to end on the clock. A call costs the tracker nothing.
   asap::Pipeline pipeline{{.latency = 10ms, .execution = asap::Execution::anytime},
                           [&](asap::EventSpan events) { tracker.process(events); }};
 
