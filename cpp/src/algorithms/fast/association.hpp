@@ -100,14 +100,14 @@ class OwnerGrid {
   struct Cell {
     Stamp stamp;
     std::uint16_t generation;
-    std::uint8_t slot;     // there are 256 at most
-    std::int8_t sign = 0;  // sign of the last event: ON = 1, OFF = -1
+    std::uint8_t slot;  // there are 256 at most
+    bool on = false;    // polarity of the last event
   };
 
   explicit OwnerGrid(const CellMap& map) : cells_(map.size()), scrubber_(map.size()) {}
 
   void clear(Stamp now) noexcept {
-    std::fill(cells_.begin(), cells_.end(), Cell{long_before(now), 0, 0, 0});
+    std::fill(cells_.begin(), cells_.end(), Cell{long_before(now), 0, 0});
   }
 
   Cell& operator[](std::size_t cell) noexcept { return cells_[cell]; }
@@ -122,10 +122,8 @@ class OwnerGrid {
   }
 
   void scrub(Stamp now, std::uint64_t elapsed_us) noexcept {
-    scrubber_.advance(elapsed_us, [&](std::size_t first, std::size_t count) {
-      fast::scrub(cells_.data() + first, count, now,
-                  [](Cell& cell) -> Stamp& { return cell.stamp; });
-    });
+    scrubber_.scrub(cells_.data(), now, elapsed_us,
+                    [](Cell& cell) -> Stamp& { return cell.stamp; });
   }
 
  private:
@@ -217,34 +215,37 @@ class CoarseIndex {
 
 // The cost of assigning the event to a track: the residual in standard deviations (factor 1.5) if
 // the outline is known, else the distance from where an outline usually lies in the gate.
-inline float contact_cost(const Contour& contour, const Innovation& nu, float gate,
-                          std::size_t bin) noexcept {
-  if (!contour.known(bin)) return std::abs(6 * std::sqrt(gate) - 4);
-  return 1.5F * std::abs(contour.residual(bin, length(nu.dx, nu.dy))) /
+inline float contact_cost(const Track& track, const Contour& contour, const Innovation& nu,
+                          const DirectionTable& directions) noexcept {
+  const float distance = length(nu.dx, nu.dy);
+  const std::size_t bin = directions.bin(nu.dx, nu.dy, distance);
+  if (!contour.known(bin)) return std::abs(6 * std::sqrt(gate_value(track, nu)) - 4);
+  return 1.5F * std::abs(contour.residual(bin, distance)) /
          std::sqrt(contour.variance + kContactVariance_px2);
 }
 
-// The track with the least cost among the owner, whose gate accepts the event, and its partners.
-inline Tracks::Slot associate_in_contact(Tracks& tracks, Tracks::Slot owner, Stamp now, float x,
-                                         float y, const DirectionTable& directions) noexcept {
-  const auto cost_of = [&](Tracks::Slot slot, float& cost) {
-    const Innovation nu = innovation_of(tracks[slot], now, x, y);
-    const float gate = gate_value(tracks[slot], nu);
-    if (!(gate <= 1)) return false;
-    const std::size_t bin = directions.bin(nu.dx, nu.dy);
-    cost = contact_cost(tracks.contour(slot), nu, gate, bin);
-    return true;
+// A track that takes an event, and the event's place in it.
+struct Taker {
+  Tracks::Slot slot;
+  Innovation nu;
+};
+
+// The one with the least cost among the owner, whose gate accepts the event, and its partners.
+inline Taker associate_in_contact(const Tracks& tracks, const Taker& owner, Stamp now,
+                                  const Event& event, const DirectionTable& directions) noexcept {
+  const auto cost_of = [&](const Taker& one) {
+    return contact_cost(tracks[one.slot], tracks.contour(one.slot), one.nu, directions);
   };
-  Tracks::Slot best = owner;
-  float min = 0;
-  cost_of(owner, min);
-  min *= kOwnerCost;
-  for (std::uint8_t i = 0; i < tracks[owner].partners; ++i) {
-    const Tracks::Slot partner = tracks.state(owner).partners[i];
-    float cost = 0;
-    if (!tracks[partner].has_id() || !cost_of(partner, cost) || !(cost < min)) continue;
+  Taker best = owner;
+  float min = kOwnerCost * cost_of(owner);
+  for (std::uint8_t i = 0; i < tracks[owner.slot].partners; ++i) {
+    const Tracks::Slot partner = tracks.state(owner.slot).partners[i];
+    const Taker other{partner, innovation_of(tracks[partner], now, event)};
+    if (!tracks[partner].has_id() || !accepts(tracks[partner], other.nu)) continue;
+    const float cost = cost_of(other);
+    if (!(cost < min)) continue;
     min = cost;
-    best = partner;
+    best = other;
   }
   return best;
 }

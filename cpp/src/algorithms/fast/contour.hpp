@@ -24,21 +24,32 @@ struct alignas(64) Contour {
   std::array<float, kContourBins> radius{};
   std::array<std::uint8_t, kContourBins> count{};
   float variance = kInitialVariance_px2;  // px^2, of the residuals
-  float polarity = 0;                     // mean, OFF = -1, ON = 1
   // px, mean of the displacements from the centre, those of OFF events negative.
   float dipole_x = 0;
   float dipole_y = 0;
+  float polarity = 0;  // mean, OFF = -1, ON = 1
   // Variance of the centre's error, as a fraction of the covariance of the events.
   float centre_variance = kInitialCentreVariance;
-  std::uint32_t mean_events =
-      kMeanEvents;  // memory of the mean, by size; here because every event reads it
+  std::uint32_t mean_events = kMeanEvents;  // memory of the mean, by size ...
+  float least_gain = 1.0F / kMeanEvents;    // ... and the least weight of an event in it
+  float outline_weight = 0;                 // on the residual, against the track's mean_weight
+
+  void set_memory(std::uint32_t events) noexcept {
+    mean_events = events;
+    least_gain = 1 / static_cast<float>(events);
+  }
 
   bool known(std::size_t bin) const noexcept { return count[bin] >= kKnownContourEvents; }
 
-  void learn_polarity(float sign, float dx, float dy, float gain) noexcept {
-    polarity += gain * (sign - polarity);
+  void learn_polarity(bool on, float dx, float dy, float gain) noexcept {
+    const auto sign = static_cast<float>(2 * on - 1);
     dipole_x += gain * (sign * dx - dipole_x);
     dipole_y += gain * (sign * dy - dipole_y);
+    polarity += gain * (sign - polarity);
+  }
+
+  static float clip(float residual) noexcept {
+    return std::max(-kContourClip_px, std::min(residual, kContourClip_px));
   }
 
   // Distance of an event from the outline, positive outside.
@@ -46,7 +57,7 @@ struct alignas(64) Contour {
 
   void learn(std::size_t bin, float distance) noexcept {
     const float outwards = residual(bin, distance);
-    const float clipped = std::clamp(outwards, -kContourClip_px, kContourClip_px);
+    const float clipped = clip(outwards);
     if (known(bin)) variance += (clipped * clipped - variance) / kVarianceMemory;
     count[bin] = std::min<std::uint8_t>(kContourEvents, static_cast<std::uint8_t>(count[bin] + 1));
     radius[bin] += outwards / static_cast<float>(count[bin]);
@@ -63,7 +74,13 @@ class DirectionTable {
  public:
   DirectionTable();
 
-  std::size_t bin(float dx, float dy) const noexcept {
+  // `distance`: length of the displacement.
+  std::size_t bin(float dx, float dy, float distance) const noexcept {
+    constexpr float kLimit = kReach;
+    if (distance > kLimit - 1) [[unlikely]] {
+      dx = std::clamp(dx, -kLimit, kLimit - 1);
+      dy = std::clamp(dy, -kLimit, kLimit - 1);
+    }
     return bins_[index(dy) * kSide + index(dx)];
   }
 
@@ -72,8 +89,7 @@ class DirectionTable {
   static constexpr std::size_t kSide = 2 * kReach;
 
   static std::size_t index(float d) noexcept {
-    constexpr float kLimit = kReach;
-    return static_cast<std::size_t>(std::clamp(d, -kLimit, kLimit - 1) + (kLimit + 0.5F));
+    return static_cast<std::size_t>(static_cast<std::int64_t>(d + (kReach + 0.5F)));
   }
 
   std::array<std::uint8_t, kSide * kSide> bins_;

@@ -19,8 +19,6 @@ constexpr std::uint64_t kNoisePeriod_us = 8'000;
 constexpr std::uint64_t kFirstNoise_us = 2'000;  // from the start: enough to see heavy noise
 constexpr float kPriorNoise_hz = 0.5F;  // per pixel; the least until 8 ms are measured; 0.2 to 2
 
-std::int8_t sign_of(const Event& event) noexcept { return event.p > 0 ? 1 : -1; }
-
 }  // namespace
 
 Engine::Engine(const ClusterTrackerConfig& config)
@@ -37,8 +35,7 @@ Engine::Engine(const ClusterTrackerConfig& config)
       pairs_(static_cast<std::size_t>(config.slots)),
       parts_(map_),
       halves_(map_),
-      objects_(static_cast<std::size_t>(config.slots)),
-      reciprocals_(kCovarianceEvents) {
+      objects_(static_cast<std::size_t>(config.slots)) {
   forget();
 }
 
@@ -113,15 +110,14 @@ inline std::int32_t Engine::process(const Event& event) noexcept {
   OwnerGrid::Cell& cell = owners_[index];
   Track& track = tracks_[cell.slot];
   if (cell.generation == track.generation && age_us(now, cell.stamp) <= kLink_us) {
-    const Innovation nu =
-        innovation_of(track, now, static_cast<float>(event.x), static_cast<float>(event.y));
-    if (gate_value(track, nu) <= 1) {
+    const Innovation nu = innovation_of(track, now, event);
+    if (accepts(track, nu)) {
       if (track.partners > 0) [[unlikely]]
         return assign(cell.slot, cell, event, now);
       cell.stamp = now;
-      cell.sign = sign_of(event);
-      update_mean(track, tracks_.contour(cell.slot), nu, now, sign_of(event), settings_.update,
-                  reciprocals_, directions_);
+      cell.on = event.p > 0;
+      update_mean(track, tracks_.contour(cell.slot), nu, now, cell.on, settings_.update,
+                  directions_);
       return track.id;
     }
   }
@@ -141,21 +137,16 @@ void Engine::process(EventSpan events, std::int32_t* labels) noexcept {
 // Assigns the event to the slot or, in contact, to a partner whose outline it fits better.
 std::int32_t Engine::assign(Slot slot, OwnerGrid::Cell& cell, const Event& event,
                             Stamp now) noexcept {
-  const auto x = static_cast<float>(event.x);
-  const auto y = static_cast<float>(event.y);
   const bool in_contact = tracks_[slot].partners > 0;
+  Taker taker{slot, innovation_of(tracks_[slot], now, event)};
+  if (in_contact) taker = associate_in_contact(tracks_, taker, now, event, directions_);
+  Track& track = tracks_[taker.slot];
+  cell = {now, track.generation, static_cast<std::uint8_t>(taker.slot), event.p > 0};
+  Contour& contour = tracks_.contour(taker.slot);
   if (in_contact) {
-    slot = associate_in_contact(tracks_, slot, now, x, y, directions_);
-  }
-  Track& track = tracks_[slot];
-  cell = {now, track.generation, static_cast<std::uint8_t>(slot), sign_of(event)};
-  const Innovation nu = innovation_of(track, now, x, y);
-  if (in_contact) {
-    update_in_contact(track, tracks_.contour(slot), nu, now, sign_of(event), settings_.update,
-                      reciprocals_, directions_);
+    update_in_contact(track, contour, taker.nu, now, cell.on, settings_.update, directions_);
   } else {
-    update_mean(track, tracks_.contour(slot), nu, now, sign_of(event), settings_.update,
-                reciprocals_, directions_);
+    update_mean(track, contour, taker.nu, now, cell.on, settings_.update, directions_);
   }
   return track.id;
 }
@@ -176,8 +167,7 @@ Tracks::Slot Engine::nearest_track(const Event& event, std::size_t cell, Stamp n
   const auto consider = [&](Slot slot) {
     const Track& track = tracks_[slot];
     if (has_id && !track.has_id()) return;
-    const Innovation nu =
-        innovation_of(track, now, static_cast<float>(event.x), static_cast<float>(event.y));
+    const Innovation nu = innovation_of(track, now, event);
     const float value = gate_value(track, nu);
     const bool outranks = track.has_id() && !has_id && value <= 1;
     if (!outranks && !(value < min || (best == Tracks::kNone && value <= 1))) return;
@@ -211,7 +201,7 @@ Tracks::Slot Engine::begin_track(float x, float y) noexcept {
   }
   tracks_.state(slot).young_radius_px = settings_.gate.birth_radius_px;  // it may have neighbours
   shape_birth_gate(tracks_[slot], settings_.gate.birth_radius_px);
-  tracks_.contour(slot).mean_events = settings_.update.mean_events;
+  tracks_.contour(slot).set_memory(settings_.update.mean_events);
   tracks_.state(slot).age_s = -seconds(clock_.now_us() - tracks_us_);
   coarse_.place(slot, x, y);
   return slot;
@@ -273,8 +263,9 @@ bool Engine::update_track(Slot slot, const Tick& tick) noexcept {
   kalman_update(
       track, state.kalman, contour.variance,
       std::min(mean_memory(track, contour, settings_.update), settings_.update.mean_events));
-  contour.mean_events = size_memory(track, settings_.update);
+  contour.set_memory(size_memory(track, settings_.update));
   track.mean_weight = mean_weight(track, contour);
+  contour.outline_weight = 2 * (1 - track.mean_weight);
 
   const float extent2 = largest_variance(track);
   state.extent_px = std::sqrt(extent2);

@@ -125,7 +125,6 @@ class Engine {
   HalfFinder halves_;
   Objects objects_;
   std::size_t next_split_ = 0;
-  Reciprocals reciprocals_;
   DirectionTable directions_;
   Counters counters_;
   std::uint64_t due_us_ = 0;    // the next tick

@@ -56,6 +56,11 @@ inline float gate_value(const Track& track, const Innovation& nu) noexcept {
   return std::min(circle, ellipse);
 }
 
+// A circle that accepts needs no ellipse.
+inline bool accepts(const Track& track, const Innovation& nu) noexcept {
+  return (nu.dx * nu.dx + nu.dy * nu.dy) * track.inverse_circle2 <= 1 || gate_value(track, nu) <= 1;
+}
+
 // px^2, the larger eigenvalue of the covariance.
 float largest_variance(const Track& track) noexcept;
 

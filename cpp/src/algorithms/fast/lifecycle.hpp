@@ -52,10 +52,8 @@ class BirthGrid {
   }
 
   void scrub(Stamp now, std::uint64_t elapsed_us) noexcept {
-    scrubber_.advance(elapsed_us, [&](std::size_t first, std::size_t count) {
-      fast::scrub(cells_.data() + first, count, now,
-                  [](Cell& cell) -> Stamp& { return cell.stamp; });
-    });
+    scrubber_.scrub(cells_.data(), now, elapsed_us,
+                    [](Cell& cell) -> Stamp& { return cell.stamp; });
   }
 
  private:

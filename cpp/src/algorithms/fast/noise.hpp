@@ -43,13 +43,8 @@ class SupportMap {
   }
 
   void scrub(Stamp now, std::uint64_t elapsed_us) noexcept {
-    scrubber_.advance(elapsed_us, [&](std::size_t first, std::size_t count) {
-      for (std::size_t i = first; i < first + count; ++i) {
-        const Stamp stamp = static_cast<Stamp>(stamps_[i]);
-        if (age_us(now, stamp) > kLongAgo_us)
-          stamps_[i] = static_cast<std::int32_t>(long_before(now));
-      }
-    });
+    scrubber_.scrub(stamps_.data(), now, elapsed_us,
+                    [](std::int32_t& stamp) -> std::int32_t& { return stamp; });
   }
 
  private:

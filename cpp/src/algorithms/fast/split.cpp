@@ -163,7 +163,8 @@ void HalfFinder::gather(const OwnerGrid& owners, const Tracks& tracks, Tracks::S
       const OwnerGrid::Cell& cell = owners[index];
       if (cell.slot != slot || cell.generation != tracks[slot].generation) continue;
       if (age_us(now, cell.stamp) > kRecent_us) continue;
-      owned_cells_.push_back({map_.centre(column), map_.centre(row), index, cell.sign});
+      owned_cells_.push_back({map_.centre(column), map_.centre(row), index,
+                              cell.on ? std::int8_t{1} : std::int8_t{-1}});
     }
   }
 }

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 
 namespace asap::inline v0_1::fast {
 
@@ -40,17 +41,18 @@ class Scrubber {
 
   explicit Scrubber(std::size_t entries) noexcept : entries_(entries) {}
 
-  // Calls visit(first, count) for the entries that are due after elapsed_us more.
-  template <class Visit>
-  void advance(std::uint64_t elapsed_us, Visit&& visit) noexcept {
+  // Limits the age of stamp_of(entry) for the entries that are due after elapsed_us more.
+  template <class Entry, class StampOf>
+  void scrub(Entry* entries, Stamp now, std::uint64_t elapsed_us, StampOf&& stamp_of) noexcept {
     credit_ += entries_ * std::min(elapsed_us, kRound_us);
     auto due = static_cast<std::size_t>(std::min<std::uint64_t>(credit_ / kRound_us, entries_));
     credit_ %= kRound_us;
-    while (due > 0) {
-      const std::size_t count = std::min(due, entries_ - next_);
-      visit(next_, count);
-      next_ = (next_ + count) % entries_;
-      due -= count;
+    for (; due > 0; --due) {
+      auto& stamp = stamp_of(entries[next_]);
+      if (age_us(now, static_cast<Stamp>(stamp)) > kLongAgo_us) {
+        stamp = static_cast<std::remove_reference_t<decltype(stamp)>>(long_before(now));
+      }
+      next_ = next_ + 1 < entries_ ? next_ + 1 : 0;
     }
   }
 
@@ -59,15 +61,6 @@ class Scrubber {
   std::size_t next_ = 0;
   std::uint64_t credit_ = 0;
 };
-
-// Limits the age of the stamps that stamp_of(entry) refers to.
-template <class Entry, class StampOf>
-void scrub(Entry* entries, std::size_t count, Stamp now, StampOf&& stamp_of) noexcept {
-  for (std::size_t i = 0; i < count; ++i) {
-    Stamp& stamp = stamp_of(entries[i]);
-    if (age_us(now, stamp) > kLongAgo_us) stamp = long_before(now);
-  }
-}
 
 // ---- exponential decay ----
 

@@ -14,6 +14,7 @@
 
 #include "algorithms/fast/contour.hpp"
 #include "algorithms/fast/time.hpp"
+#include "asap/core/event.hpp"
 
 namespace asap::inline v0_1::fast {
 
@@ -78,9 +79,10 @@ struct Innovation {
   float dy;
 };
 
-inline Innovation innovation_of(const Track& track, Stamp now, float x, float y) noexcept {
+inline Innovation innovation_of(const Track& track, Stamp now, const Event& event) noexcept {
   const Point mean = predicted_mean(track, now);
-  return {mean.x, mean.y, x - mean.x, y - mean.y};
+  return {mean.x, mean.y, static_cast<float>(event.x) - mean.x,
+          static_cast<float>(event.y) - mean.y};
 }
 
 struct KalmanState {

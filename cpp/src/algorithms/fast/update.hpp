@@ -9,23 +9,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <vector>
 
 #include "algorithms/fast/track.hpp"
 
 namespace asap::inline v0_1::fast {
-
-// 1/n for the memories of the means.
-class Reciprocals {
- public:
-  explicit Reciprocals(std::uint32_t max) : values_(max + 1, 1.0F) {
-    for (std::uint32_t n = 1; n <= max; ++n) values_[n] = 1 / static_cast<float>(n);
-  }
-  float operator[](std::uint32_t n) const noexcept { return values_[n]; }
-
- private:
-  std::vector<float> values_;
-};
 
 struct UpdateRule {
   std::uint32_t mean_events = 0;   // memory of the mean; less with gamma
@@ -76,26 +63,31 @@ inline float event_weight(float residual, float mean_weight, float far) noexcept
 }
 
 // Takes an event without contact.
-inline void update_mean(Track& track, Contour& contour, const Innovation& nu, Stamp now, float sign,
-                        const UpdateRule& rule, const Reciprocals& reciprocals,
-                        const DirectionTable& directions) noexcept {
+inline void update_mean(Track& track, Contour& contour, const Innovation& nu, Stamp now, bool on,
+                        const UpdateRule& rule, const DirectionTable& directions) noexcept {
+  constexpr float kNear_px = 3;  // where the weight of an event is 1 and nothing is clipped
+  const float share = 1 / (1 + static_cast<float>(track.events));
   const std::uint32_t n = ++track.events;
-  const float gain = reciprocals[std::min(n, contour.mean_events)];
-  const float spread_gain = reciprocals[std::min(n, kCovarianceEvents)];
+  const float gain = std::max(share, contour.least_gain);
+  const float spread_gain = std::max(share, 1.0F / kCovarianceEvents);
   const float distance = length(nu.dx, nu.dy);
-  const std::size_t bin = directions.bin(nu.dx, nu.dy);
-  contour.learn_polarity(sign, nu.dx, nu.dy, gain);
+  const std::size_t bin = directions.bin(nu.dx, nu.dy, distance);
+  contour.learn_polarity(on, nu.dx, nu.dy, gain);
 
   const float residual = contour.residual(bin, distance);
   if ((n & rule.contour_mask) == 0) contour.learn(bin, distance);
-  float blend = 1;
+  float step = gain;
   if (n >= rule.mean_events && contour.known(bin) && distance > 0) {
-    const float clipped = std::clamp(residual, -kContourClip_px, kContourClip_px);
-    blend = track.mean_weight + (1 - track.mean_weight) * 2 * clipped / distance;
-    blend *= event_weight(residual, track.mean_weight, rule.far_weight);
+    float clipped = residual;
+    float weight = 1;
+    if (std::abs(residual) > kNear_px) {
+      clipped = Contour::clip(residual);
+      weight = event_weight(residual, track.mean_weight, rule.far_weight);
+    }
+    step *= (track.mean_weight + contour.outline_weight * clipped / distance) * weight;
   }
-  track.x = nu.mean_x + gain * blend * nu.dx;
-  track.y = nu.mean_y + gain * blend * nu.dy;
+  track.x = nu.mean_x + step * nu.dx;
+  track.y = nu.mean_y + step * nu.dy;
   track.stamp = now;
   track.sxx += spread_gain * ((1 - gain) * nu.dx * nu.dx - track.sxx);
   track.sxy += spread_gain * ((1 - gain) * nu.dx * nu.dy - track.sxy);
@@ -104,17 +96,16 @@ inline void update_mean(Track& track, Contour& contour, const Innovation& nu, St
 
 // Takes an event in contact: moves the mean alone, by the outline's residual.
 inline void update_in_contact(Track& track, Contour& contour, const Innovation& nu, Stamp now,
-                              float sign, const UpdateRule& rule, const Reciprocals& reciprocals,
+                              bool on, const UpdateRule& rule,
                               const DirectionTable& directions) noexcept {
-  const std::uint32_t n = ++track.events;
-  const float gain = reciprocals[std::min(n, rule.mean_events)];
-  const std::size_t bin = directions.bin(nu.dx, nu.dy);
-  contour.learn_polarity(sign, nu.dx, nu.dy, gain);
+  const float n = 1 + static_cast<float>(track.events++);
+  const float gain = 1 / std::min(n, static_cast<float>(rule.mean_events));
+  const float distance = length(nu.dx, nu.dy);
+  const std::size_t bin = directions.bin(nu.dx, nu.dy, distance);
+  contour.learn_polarity(on, nu.dx, nu.dy, gain);
   float step = kContactMeanGain * gain;
   if (contour.known(bin)) {
-    const float distance = length(nu.dx, nu.dy);
-    const float clipped =
-        std::clamp(contour.residual(bin, distance), -kContourClip_px, kContourClip_px);
+    const float clipped = Contour::clip(contour.residual(bin, distance));
     step = distance > 0 ? std::min(1.0F, 2 * kContactGain * gain) * clipped / distance : 0;
   }
   track.x = nu.mean_x + step * nu.dx;

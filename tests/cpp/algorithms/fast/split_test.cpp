@@ -29,8 +29,7 @@ struct HalfScene {
   void own(std::size_t x, std::size_t y, int on, Stamp age = 0) {
     for (std::size_t i = 0; i < 4; ++i) {
       owners[map.cell(x + 4 * (i % 2), y + 4 * (i / 2))] = {
-          kNow - age, tracks[slot].generation, static_cast<std::uint8_t>(slot),
-          static_cast<std::int8_t>(on-- > 0 ? 1 : -1)};
+          kNow - age, tracks[slot].generation, static_cast<std::uint8_t>(slot), on-- > 0};
     }
   }
   auto find() { return halves.find(owners, tracks, slot, kNow); }
