@@ -47,6 +47,10 @@ width, height : int
 --------
 >>> scene = asap.synthetic.FlightOverChairs(duration_s=0.05)
 >>> events = scene.events())"},
+      {"$costs", R"(Examples
+--------
+>>> scene = asap.synthetic.FlightOverChairs(duration_s=0.1)
+>>> cost = asap.LinearCost(100, 300))"},
       {"$refuses", R"(Raises
 ------
 ValueError

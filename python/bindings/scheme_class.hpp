@@ -10,6 +10,7 @@
 #include "asap/schemes/scheme.hpp"
 #include "held.hpp"
 #include "keywords.hpp"
+#include "per_event.hpp"
 
 namespace asap::python {
 
@@ -48,7 +49,7 @@ auto keywords_of_scheme() {
 
 template <class S>
 void bind_scheme(pybind11::module_& m, const char* name, const char* doc) {
-  Class<S, Scheme> bound(m, name, doc);
+  Class<S, Scheme> bound(m, name, documented(doc).c_str());
   const auto keywords = keywords_of_scheme<S>();
   bind_constructor(bound, keywords);
   // A scheme leaves out what it has no value of.

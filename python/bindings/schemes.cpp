@@ -47,15 +47,9 @@ Parameters
 size : int
     Events per package, at least 1.
 
-Raises
-------
-ValueError
-    A parameter is out of range.
+$refuses
 
-Examples
---------
->>> scene = asap.synthetic.FlightOverChairs(duration_s=0.1)
->>> cost = asap.LinearCost(100, 300)
+$costs
 >>> run = asap.simulate(scene, cost=cost, scheme=asap.FixedSize(size=500), latency_ms=50)
 >>> int(run.packages["size"].max())
 500
@@ -71,15 +65,9 @@ Parameters
 period_ms : float
     At least 0.001 ms.
 
-Raises
-------
-ValueError
-    A parameter is out of range.
+$refuses
 
-Examples
---------
->>> scene = asap.synthetic.FlightOverChairs(duration_s=0.1)
->>> cost = asap.LinearCost(100, 300)
+$costs
 >>> run = asap.simulate(scene, cost=cost, scheme=asap.FixedTime(period_ms=5))
 >>> len(run.packages)
 20
@@ -87,10 +75,7 @@ Examples
 
   bind_scheme<SingleEvent>(m, "SingleEvent", R"(Every event is a package of its own.
 
-Examples
---------
->>> scene = asap.synthetic.FlightOverChairs(duration_s=0.1)
->>> cost = asap.LinearCost(100, 300)
+$costs
 >>> run = asap.simulate(scene, cost=cost, scheme=asap.SingleEvent())
 >>> int(run.packages["size"].max())
 1
@@ -105,15 +90,9 @@ efficiency : float, optional
     first, and the rest waits, which shortens the longest latency after abrupt changes. Keep it well
     above the mean load; 0.97 is a good one. None: no cap.
 
-Raises
-------
-ValueError
-    A parameter is out of range.
+$refuses
 
-Examples
---------
->>> scene = asap.synthetic.FlightOverChairs(duration_s=0.1)
->>> cost = asap.LinearCost(100, 300)
+$costs
 >>> asap.simulate(scene, cost=cost, scheme=asap.Greedy(), latency_ms=10).kept
 1.0
 )");
@@ -134,15 +113,9 @@ epsilon : float
 first_size, max_size, min_size : int
     First, largest and least package size, in kept events.
 
-Raises
-------
-ValueError
-    A parameter is out of range.
+$refuses
 
-Examples
---------
->>> scene = asap.synthetic.FlightOverChairs(duration_s=0.1)
->>> cost = asap.LinearCost(100, 300)
+$costs
 >>> scheme = asap.Asap2020(rate_bound=0.9e9 / 300)  # nine tenths of what the cost allows
 >>> asap.simulate(scene, cost=cost, scheme=scheme, latency_ms=10).kept
 1.0
@@ -170,15 +143,9 @@ min_gamma, max_gamma : float
 first_size : int
     Size before the first package is finished.
 
-Raises
-------
-ValueError
-    A parameter is out of range.
+$refuses
 
-Examples
---------
->>> scene = asap.synthetic.FlightOverChairs(duration_s=0.1)
->>> cost = asap.LinearCost(100, 300)
+$costs
 >>> asap.simulate(scene, cost=cost, scheme=asap.Asap2022(), latency_ms=10).ledger.balanced
 True
 )");
@@ -211,10 +178,7 @@ Attributes
 alpha_us, beta_ns : float
     Present cost of a package and of an event, as measured.
 
-Raises
-------
-ValueError
-    A parameter is out of range.
+$refuses
 
 Notes
 -----
@@ -251,19 +215,13 @@ Attributes
 alpha_us, beta_ns : float
     Present cost of a package and of an event, as measured.
 
-Raises
-------
-ValueError
-    A parameter is out of range.
+$refuses
 
 Notes
 -----
 Source: notebooks/theory.md, section 5.
 
-Examples
---------
->>> scene = asap.synthetic.FlightOverChairs(duration_s=0.1)
->>> cost = asap.LinearCost(100, 300)
+$costs
 >>> asap.simulate(scene, cost=cost, scheme=asap.DeadBeat(latency_ms=5)).in_time
 1.0
 )");

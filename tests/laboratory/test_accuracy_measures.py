@@ -73,5 +73,5 @@ def test_nees_weighs_the_error_with_the_covariance():
 
 def test_nees_needs_a_covariance_and_a_match():
     assert math.isnan(nees(match(samples_of([{0: HERE}], [{7: HERE}]))))
-    nobody = samples_of([{0: HERE}], [{}], [np.empty((0, 2, 2))])
-    assert math.isnan(nees(match(nobody)))
+    unmatched = samples_of([{0: HERE}], [{}], [np.empty((0, 2, 2))])
+    assert math.isnan(nees(match(unmatched)))

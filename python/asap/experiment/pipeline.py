@@ -88,7 +88,7 @@ class Pipeline:
     """
 
     # `asap.run` of a camera keeps a longer log, and may limit the time.
-    _log_rows = 1 << 14
+    _log_rows: int | None = None
     _duration_s: float | None = None
 
     def __init__(

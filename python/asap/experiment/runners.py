@@ -357,7 +357,7 @@ def make_config(
     when_full: str = "thin",
     reorder_tolerance_us: int = 0,
     warmup_discard_us: int = 0,
-    log_rows: int = 1 << 14,
+    log_rows: int | None = None,
 ) -> _core.RunConfig:
     """Check what the runners have in common, and put it together for the native ones."""
     slots = _whole("capacity", capacity)
@@ -382,7 +382,7 @@ def make_config(
         before=before,
         when_full=when_full,
         keep_mask=keep_mask,
-        log_rows=log_rows,
+        **({} if log_rows is None else {"log_rows": log_rows}),
     )
 
 

@@ -77,10 +77,9 @@ class NoiseTiles {
  private:
   int shift_;
   std::size_t columns_;
-  // Of each tile: events since the last update, rate per pixel.
-  std::vector<std::int32_t> events_;
+  std::vector<std::int32_t> events_;  // by tile, as the next two: since the last update
   std::vector<float> pixels_;
-  std::vector<float> rates_hz_;
+  std::vector<float> rates_hz_;  // per pixel
   std::vector<float> sorted_;
   float age_s_ = 0;
   float rate_hz_ = 0;
