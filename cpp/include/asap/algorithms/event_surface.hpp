@@ -36,7 +36,7 @@ class EventSurface {
 
   // Rows around an event that it changes. A rank depends on ranks that depend on others, without
   // end.
-  static constexpr int reach(const Config& config) noexcept
+  static constexpr int reach(const ThresholdOrdinalSurfaceConfig& config) noexcept
     requires std::same_as<Config, ThresholdOrdinalSurfaceConfig>
   {
     return config.side / 2;
