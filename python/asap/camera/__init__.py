@@ -84,6 +84,11 @@ def cameras() -> list[CameraInfo]:
         USB cannot be read: the message says what helps.
     MissingLibrary
         The driver is not installed: extra ``camera``.
+
+    Examples
+    --------
+    >>> for camera in asap.cameras():  # doctest: +SKIP
+    ...     print(camera.name, camera.serial)
     """
     driver = library("neuromorphic_drivers", "a camera", "camera")
     try:
