@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import subprocess
 import sys
 from pathlib import Path
 from typing import Any
@@ -141,6 +142,14 @@ class TestSeveralCameras:
 
 
 class TestLibraries:
+    def test_dsec_as_it_is_distributed_is_unpacked(self, tmp_path: Path) -> None:
+        blosc = pytest.importorskip("hdf5plugin").Blosc(cname="zstd", shuffle=1)
+        path = dsec(tmp_path / "a.h5", chunks=(1000,), **blosc)
+        code = "import sys, asap; print(asap.load(sys.argv[1])['t'].sum())"
+        command = [sys.executable, "-c", code, str(path)]  # here the filter is registered already
+        found = subprocess.run(command, capture_output=True, text=True)
+        assert found.stdout == f"{shifted()['t'].sum()}\n", found.stderr
+
     @pytest.mark.parametrize(
         ("code", "words"),
         [
