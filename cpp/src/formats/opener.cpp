@@ -54,6 +54,12 @@ std::vector<std::string_view> recording_formats() {
   return names;
 }
 
+std::string listed_formats() {
+  std::string names;
+  for (const Format& known : kFormats) names.append(names.empty() ? "" : ", ").append(known.name);
+  return names;
+}
+
 std::string_view recording_format(Bytes front) {
   const auto* const found =
       std::ranges::find_if(kFormats, [&](const Format& format) { return format.begins(front); });
@@ -71,9 +77,7 @@ std::optional<OpenedRecording> open_recording(const std::filesystem::path& path,
   if (name.empty()) return std::nullopt;
   const auto* const format = std::ranges::find(kFormats, name, &Format::name);
   if (format == kFormats.end()) {
-    std::string names;
-    for (const Format& known : kFormats) names.append(names.empty() ? "" : ", ").append(known.name);
-    throw_bad_value("format", config.format, "give one of " + names);
+    throw_bad_value("format", config.format, "give one of " + listed_formats());
   }
   OpenedRecording recording = format->open(
       {.path = path, .config = config, .size = std::filesystem::file_size(path), .front = front});

@@ -81,6 +81,9 @@ struct OpenedRecording {
 // Names of the formats.
 std::vector<std::string_view> recording_formats();
 
+// The same as words of an error: "evt2, evt21".
+std::string listed_formats();
+
 // The format that a file begins as; empty where it is none of these.
 std::string_view recording_format(std::span<const std::byte> front);
 

@@ -158,8 +158,8 @@ RecordingSource::Impl::Impl(const std::filesystem::path& its_path, RecordingConf
     text.emplace(config.text);
   } else {
     throw_bad_value("path", path.string(),
-                    "is none of RAW, DAT, AEDAT 2.0, AEDAT 3.1, Event Stream, .csv and .txt; "
-                    "asap convert writes other recordings as .csv");
+                    "is none of " + listed_formats() +
+                        ", .csv and .txt; asap convert writes other recordings as .csv");
   }
   file.open(path, std::ios::binary);
   file.seekg(static_cast<std::streamoff>(start));

@@ -1,6 +1,6 @@
 // RecordingSource: the events of a recording's file, chunk by chunk. The first bytes tell the
-// format (Prophesee RAW and DAT, AEDAT 2.0 and 3.1, Event Stream); lines of numbers are told by the
-// name: .csv or .txt.
+// format; lines of numbers are told by the name: .csv or .txt. The error of another file lists the
+// formats.
 //
 //   RecordingSource recording{"flight.raw"};
 //   replay.run(recording, algorithm);      // or simulator.run(recording)
