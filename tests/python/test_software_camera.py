@@ -115,11 +115,9 @@ def test_what_waited_for_a_second_run_is_left_out() -> None:
     stamps: list[Any] = []
     with asap.SoftwareCamera(stream(800_000, 5), packet_us=100, **SENSOR) as camera:
         next(iter(camera))
-        begin_s = time.monotonic()
-        time.sleep(0.5)  # the pipe holds 1 MiB, the camera 1000 packets
-        waited_us = 1e6 * (time.monotonic() - begin_s)
+        time.sleep(1)  # the pipe holds 1 MiB, the camera 1000 packets
         asap.run(camera, algorithm=lambda some: stamps.append(some["t"][0]), latency_ms=LONG_MS)
-    assert stamps[0] >= waited_us
+    assert stamps[0] >= 0.5e6  # a busy machine plays late
 
 
 def test_a_consumer_that_cannot_keep_up_does_not_hold_the_camera_up() -> None:
