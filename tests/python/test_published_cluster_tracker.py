@@ -6,9 +6,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
-from hypothesis.extra import numpy as hnp
 
 from asap import EVENT_DTYPE, PublishedClusterTracker
 from test_cluster_tracker import FIELDS
@@ -63,38 +60,3 @@ def test_clusters_are_a_structured_array_sorted_by_id() -> None:
         assert clusters.dtype[name] == (np.int64 if name in integers else np.float64)
     assert np.all(np.diff(clusters["id"]) > 0)
     assert np.all(clusters["size"] >= 15)
-
-
-@settings(max_examples=50)
-@given(
-    columns=hnp.arrays(np.uint16, st.tuples(st.integers(0, 200), st.just(2))),
-    window=st.integers(1, 50),
-    radius=st.floats(0, 1e5),
-    probes=st.integers(0, 3),
-    weight=st.floats(0, 1),
-    min_size=st.integers(0, 5),
-)
-def test_any_events_and_parameters_keep_the_sums(
-    columns: np.ndarray, window: int, radius: float, probes: int, weight: float, min_size: int
-) -> None:
-    tracker = PublishedClusterTracker(
-        WIDTH,
-        HEIGHT,
-        window=window,
-        radius=radius,
-        probes=probes,
-        weight=weight,
-        min_size=min_size,
-    )
-    x, y = columns[:, 0] % 400, columns[:, 1] % 300
-    labels = tracker.process(events_at(x, y, np.arange(len(x))))
-    inside = (x < WIDTH) & (y < HEIGHT)
-    assert tracker.rejected == np.count_nonzero(~inside)
-    clusters = tracker.clusters
-    live = min(window, np.count_nonzero(inside))
-    if min_size <= 1:
-        assert clusters["size"].sum() == live
-        assert np.all(labels[inside] >= 0)
-    assert clusters["size"].sum() <= live
-    assert np.all(labels[~inside] == -1)
-    assert np.isin(clusters["id"], labels).all()

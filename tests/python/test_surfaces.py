@@ -80,24 +80,6 @@ def test_images_by_count() -> None:
     assert not image.flush()
 
 
-def test_the_mask_drops_given_and_learned_pixels() -> None:
-    hot = streams.make(np.arange(200), x=7, y=3)
-    calm = golden_stream()[:2000]
-    given = HotPixelMask(WIDTH, HEIGHT, pixels=[(7, 3)], learn_events=0)
-    assert len(given.process(hot)) == 0
-    assert given.process(calm).tolist() == calm.tolist()
-
-    learned = HotPixelMask(WIDTH, HEIGHT)
-    assert learned.learn(np.concatenate([calm, hot])) == 1
-    assert learned.pixels == given.pixels == [(7, 3)]
-
-    on_the_way = HotPixelMask(WIDTH, HEIGHT, learn_events=200)
-    assert len(on_the_way.process(hot)) == 200
-    assert len(on_the_way.process(hot)) == 0
-    on_the_way.reset()
-    assert on_the_way.pixels == []
-
-
 def test_the_mask_agrees_with_check() -> None:
     events = np.concatenate(
         [golden_stream(), streams.make(np.arange(900), x=[70, 71, 200] * 300, y=3)]
@@ -108,13 +90,3 @@ def test_the_mask_agrees_with_check() -> None:
     found = asap.check(events, width=WIDTH, height=HEIGHT).hot_pixels[["x", "y"]].tolist()
     assert mask.pixels == sorted(found, key=lambda pixel: pixel[::-1])
     assert HotPixelMask(WIDTH, HEIGHT, pixels=found).pixels == mask.pixels
-
-
-def test_packages_make_images_that_know_what_was_discarded() -> None:
-    image = make(EventImage)
-    cost = asap.LinearCost(100, 30_000)  # a third of the events fits
-    run = asap.simulate(golden_stream(), cost=cost, algorithm=image, latency_ms=10)
-    assert run.kept < 0.5
-    assert image.image.sum() == pytest.approx(1000, abs=4)
-    begin, end = image.span
-    assert end - begin == pytest.approx(10_000, rel=0.3)  # as without a discarder
