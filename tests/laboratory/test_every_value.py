@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import pickle
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 import asap
@@ -97,46 +95,3 @@ def test_a_value_that_does_not_fit_is_refused_by_its_field(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     assert_refused(call, field, values)
-
-
-# ---- pickles --------------------------------------------------------------------------------
-
-
-def again(made: Any) -> Any:
-    return pickle.loads(pickle.dumps(made))
-
-
-@pytest.mark.parametrize(
-    "stream",
-    [
-        profiles.Profile("walk", duration_s=0.2, seed=5),
-        profiles.Profile("high", duration_s=0.1, name="mine", width=20, height=30),
-    ],
-)
-def test_profiles_are_pickled_as_what_made_them(stream: Any) -> None:
-    twin = again(stream)
-    assert (twin.name, twin.parameters) == (stream.name, stream.parameters)
-    assert np.array_equal(twin.events(), stream.events())
-
-
-@pytest.mark.parametrize(
-    "make",
-    [
-        lambda: scenes.timing(3, 64, 48, 100.0, seed=2, duration_s=0.1),
-        lambda: scenes.corners("fast", duration_s=0.1),
-        lambda: scenes.H(kind="rings"),
-        lambda: scenes.occlusion(50.0),
-        lambda: scenes.stop_and_go(10.0),
-    ],
-)
-def test_scenes_are_pickled_as_what_made_them(make: Callable[[], Any]) -> None:
-    scene = make()
-    before = again(scene)
-    assert scene.events.size  # made once and kept: not in the pickle
-    data = pickle.dumps(scene)
-    assert len(data) < 2000
-    for twin in (before, pickle.loads(data)):
-        assert repr(twin) == repr(scene)
-        assert np.array_equal(twin.events, scene.events)
-        assert np.array_equal(twin.labels, scene.labels)
-        assert np.array_equal(twin.truth(5000.0), scene.truth(5000.0))

@@ -6,15 +6,12 @@ import numpy as np
 import pytest
 
 import streams
-from asap_laboratory import score
-from asap_laboratory.accuracy import Rung
 from fake_scene import FakeScene
 
 pytest.importorskip("scipy", reason="the images are scipy's")
 
 from asap_laboratory.rivals import frames
 from asap_laboratory.rivals.frames import FrameTracker
-from asap_laboratory.rivals.trackers import RIVALS
 
 MS = 1000
 
@@ -119,15 +116,3 @@ def test_packages_do_not_matter_and_asking_only_closes_full_images() -> None:
     assert whole.size == 1
     for size, ask in ((1, True), (333, False), (1000, True)):
         np.testing.assert_array_equal(told(size, ask), whole)
-
-
-# ---- beside the others ----------------------------------------------------------------------
-
-
-def test_it_is_a_rival_at_two_periods_and_can_be_scored() -> None:
-    for label in ("frames 10 ms", "frames 20 ms"):
-        rung = RIVALS[label]
-        assert isinstance(rung, Rung) and rung.before is None
-        assert isinstance(rung.make(64, 48), FrameTracker)
-    found = score(tracker_of(346, 260), FakeScene([(50, 50, 0, 0)]))
-    assert found["mota"] == 0  # a point has no neighbours

@@ -1,13 +1,12 @@
 """keep_curve: one score after the other, their mean and spread, table and figure."""
 
 import math
-import re
 
 import numpy as np
 import pytest
 
 import asap
-from asap_laboratory import KeepCurve, keep_curve
+from asap_laboratory import keep_curve
 from asap_laboratory.scoring import curve as module
 from fake_scene import FakeScene, perfect
 
@@ -81,40 +80,3 @@ def test_every_run_gets_a_fresh_algorithm_and_filter_and_every_seed_its_scene():
     assert len(used) == 6 and all(len(one.packages) == 6 for one in used)
     assert len(filters) >= 6
     assert [one.gammas for one in used] == [[], [0.5], []] * 2
-
-
-# ---- table and figure -----------------------------------------------------------------------
-
-
-def curve_of(rows, **others):
-    """Rows (gamma, told, mota) with two seeds each."""
-    figures = dict.fromkeys(("id_switches", "idf1", "hota", "position_rms", "v_measure"), 0.5)
-    scored = [
-        {
-            **{"gamma": gamma, "told": told, "seed": seed, **figures},
-            **{"velocity_rms": math.nan, "mota": mota + 0.1 * seed},
-        }
-        for gamma, told, mota in rows
-        for seed in (0, 1)
-    ]
-    return KeepCurve(
-        **{"algorithm": "fast", "scene": "A", "before": "BAF", **others}, scored=scored
-    )
-
-
-CURVE = curve_of([(1.0, None, 0.9), (0.2, True, 0.8), (0.2, False, -0.4)])
-
-
-def test_the_table_has_a_line_for_each_row():
-    lines = str(CURVE).splitlines()
-    assert lines[0] == "fast behind BAF on A, 2 seeds: mean ± standard deviation"
-    head = re.split(r"\s{2,}", lines[2].strip())
-    assert head == ["gamma", "MOTA", "switches", "IDF1", "HOTA", "rms px", "velocity", "V"]
-    assert [line.split()[:3] for line in lines[4:]] == [
-        ["1", ".950±.071", "0.5±0.0"],
-        ["0.2", "told", ".850±.071"],
-        ["0.2", "not", "told"],
-    ]
-    assert "-.350±.071" in lines[6]
-    assert lines[4].split()[-2] == "-"  # no velocity
-    assert max(map(len, lines)) <= 100

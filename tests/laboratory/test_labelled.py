@@ -71,32 +71,6 @@ def test_a_bad_truth_is_refused_by_file_and_row(tmp_path: Path, rows: str, messa
         labelled(folder(tmp_path, rows))
 
 
-@pytest.mark.parametrize(
-    ("zones", "message"),
-    [
-        ("5,1,2,6,0,9\n", "row 2: x1 = 1.0: give more than x0"),
-        ("1,5,2,6,0,9\n1,5,2,6,9,9\n", "row 3: to_us = 9: give more than from_us"),
-        ("1,5,2,6,0,9.5\n", "row 2: to_us = '9.5': give a whole number"),
-    ],
-)
-def test_a_bad_zone_is_refused_by_file_and_row(tmp_path: Path, zones: str, message: str) -> None:
-    with pytest.raises(ValueError, match=rf"ignore\.csv: {message}"):
-        labelled(folder(tmp_path, zones=zones))
-
-
-@pytest.mark.parametrize(
-    ("sensor", "message"),
-    [
-        ({"width": 0}, "width = 0: give the sensor's width, 1 to 65536 px"),
-        ({"height": True}, "height = True: give the sensor's height, 1 to 65536 px"),
-        ({"camera": None}, "camera = None: give one of still, moving"),
-    ],
-)
-def test_a_bad_sensor_is_refused(tmp_path: Path, sensor: dict[str, Any], message: str) -> None:
-    with pytest.raises(ValueError, match=rf"sensor\.json: {message}"):
-        labelled(folder(tmp_path, **sensor))
-
-
 def test_a_sensor_that_is_no_json_or_too_small_is_refused(tmp_path: Path) -> None:
     (folder(tmp_path) / "sensor.json").write_text("width 100")
     with pytest.raises(ValueError, match=r"sensor\.json: .*give a JSON object"):

@@ -33,11 +33,3 @@ def test_objects_and_camera_motion_of_a_moving_camera() -> None:
     assert camera.dtype.names == ("t", "vx", "vy", "turn", "zoom", "covariance")
     assert np.all(np.linalg.eigvalsh(camera["covariance"]) > 0)
     assert np.all(np.isfinite(camera["covariance"]))
-
-
-def test_unknown_before_a_camera_at_rest() -> None:
-    scene = scenes.A(seed=0)
-    segmenter = asap.MotionSegmenter(scene.width, scene.height)
-    for part in np.array_split(scene.events[:50_000], 20):
-        segmenter.process(part)
-        assert segmenter.camera_motion is None and segmenter.objects.size == 0

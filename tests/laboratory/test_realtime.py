@@ -44,13 +44,6 @@ def test_an_algorithm_of_another_extension_runs_natively():
     assert run.ledger.received == events.size and run.ledger.balanced
 
 
-def test_a_python_caller_is_spun_for_as_well():
-    events = profiles.Profile("low", duration_s=0.02).events()
-    algorithm = _native.BusyWait(10.0, 0.0)
-    algorithm.process(events)
-    assert algorithm.parameters == {"alpha_us": 10.0, "beta_ns": 0.0}
-
-
 @pytest.mark.parametrize(("field", "value"), [("alpha_us", -1.0), ("beta_ns", float("nan"))])
 def test_a_bad_cost_is_refused_by_name(field, value):
     with pytest.raises(ValueError, match=field):

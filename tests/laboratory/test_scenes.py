@@ -141,23 +141,3 @@ def test_corner_scenes_have_their_rates(kind: Any, rate: float) -> None:
     scene = scenes.corners(kind, duration_s=0.5)
     assert scene.name == f"corners_{kind}"
     assert len(scene.events) / 0.5 == pytest.approx(rate, rel=0.3)
-
-
-# ---- bad arguments --------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("make", "message"),
-    [
-        (lambda: scenes.A(seed=-1), "seed = -1: must"),
-        (lambda: small(radius=(4.0, 200.0)), "radius_px = 200: give at most"),
-        (lambda: small(noise_hz=200.0), "noise_hz = 200: give"),
-        (lambda: small(duration_s=0.5001), "duration_us = 500100: give a multiple"),
-        (lambda: scenes.H(kind="disks"), "kind = 'disks': give one of bars, angles, rings"),
-        (lambda: scenes.K(seed=-1), "seed = -1: must"),
-        (lambda: scenes.occlusion(2000.0), "gap_us = 2000000: give less"),
-    ],
-)
-def test_bad_arguments_are_named(make: Any, message: str) -> None:
-    with pytest.raises(ValueError, match=f"^{message}"):
-        make()

@@ -102,15 +102,15 @@ def test_tuned_baselines_keep_the_bound_where_the_ring_of_all_does_not():
     assert whole and all(one["p99_ms"] > 30 and one["in_time"] < 0.05 for one in whole)
 
 
-# ---- accuracy -------------------------------------------------------------------------------
-
-
 def test_samples_are_those_of_score():
     trace = follow(perfect(SCENE), SCENE)
     for mine, its in zip(samples_without_clusters(SCENE), trace.samples, strict=True):
         assert mine.t_us == its.t_us
         np.testing.assert_array_equal(mine.active, its.active)
         np.testing.assert_array_equal(mine.centres, its.centres)
+
+
+# ---- accuracy -------------------------------------------------------------------------------
 
 
 def test_delivered_at_once_is_the_score_and_both_are_one():
@@ -246,11 +246,3 @@ def test_told_otherwise_is_the_same_run_with_another_word(monkeypatch):
         assert (found["kind"], found["told"], found["kept"]) == ("told", way, first["kept"])
         assert word in told and set(told) <= {word, 1.0}  # all events, for comparison: gamma = 1
         assert key_of(otherwise) != key_of(case)
-
-
-def test_a_case_with_one_setting_is_of_another_bound(monkeypatch):
-    monkeypatch.setattr(ladder.cases, "stream", lambda size, seed: SCENE)
-    case = LadderCase("BAF", 0, 1.0, 10.0, {OURS: ours(1.0)}, latency_ms=1.0)
-    (row,) = case.measure()
-    assert (row["kind"], row["latency_ms"], row["alone"]) == ("bound", 1.0, None)
-    assert key_of(case) != key_of(dataclasses.replace(case, settings={OURS: ours()}))

@@ -13,9 +13,8 @@ from asap_laboratory import score
 from asap_laboratory.accuracy import Rung
 from asap_laboratory.cli import main
 from asap_laboratory.page import Writer
-from asap_laboratory.real import overlays
 from asap_laboratory.real.mistakes import mistakes
-from asap_laboratory.rivals.recordings import CELLS, HEAD, Followed, at_hand, followed, opened
+from asap_laboratory.rivals.recordings import CELLS, HEAD, Followed, followed, opened
 from asap_laboratory.scenes import labelled
 from event_files import recording
 from labelled_folders import T0_US, folder
@@ -87,27 +86,6 @@ def test_the_figures_are_those_of_score(tmp_path: Path) -> None:
     assert cells(one) == [".667", ".500", "1", ".333", "0.0", ".490", "-.333"]
 
 
-# ---- the figure -----------------------------------------------------------------------------
-
-
-def test_an_overlay_shows_events_objects_ids_tails_and_boxes(tmp_path: Path) -> None:
-    seen = {10: [(7, 20, 20)], 20: [(7, 22, 20), (9, 80, 60)]}
-    one = followed_by(tmp_path, seen, zones=f"1,5,2,6,{T0_US},{T0_US + 15_000}\n")
-    first, second, third, *rest = overlays.draw(one).axes
-    assert [axes.get_title(loc="left") for axes in (first, second, third)] == [
-        "0.010 s: 1 of 1 hit",
-        "0.020 s: 1 of 1 hit, 1 false",
-        "0.030 s: 0 of 1 hit, 1 missed",
-    ]
-    assert not rest and first.images[0].get_array()[20, 20] == 0.6
-    assert [len(axes.patches) for axes in (first, second, third)] == [3, 3, 1]  # zone, boxes
-    assert [words.get_text() for words in second.texts] == ["7", "9"]
-    assert second.lines[0].get_xydata().tolist() == [[20, 20], [22, 20]]
-    assert [one.get_linestyle() for one in second.patches[1:]] == ["-", "--"]
-    box_of_7 = first.patches[-1].get_bbox().bounds  # 1.75 sigma around
-    assert box_of_7 == (20 - 7, 20 - 3.5, 14, 7)
-
-
 # ---- folders and the command ----------------------------------------------------------------
 
 
@@ -124,27 +102,6 @@ def test_a_folder_of_recordings_leaves_out_what_is_refused(tmp_path: Path) -> No
     assert [path.name for path in scenes] == ["first"]
     assert len(left_out) == 1 and left_out[0].startswith("second/truth.csv: no column")
     assert list(opened([tmp_path / "first"]).scenes) == [tmp_path / "first"]
-
-
-def test_without_a_folder_it_looks_where_the_tests_look(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    (tmp_path / "labelled").mkdir()
-    sets(tmp_path / "labelled")
-    monkeypatch.setenv("ASAP_TEST_DATA", str(tmp_path))
-    assert [path.name for path in at_hand()] == ["first"]
-    monkeypatch.setenv("ASAP_TEST_DATA", str(tmp_path / "labelled"))
-    with pytest.raises(ValueError, match="no labelled recording here: give their folders, or set"):
-        opened()
-    assert at_hand() == []
-    (tmp_path / "shared").mkdir()
-    (tmp_path / "clone").mkdir()
-    (tmp_path / "labelled").rename(tmp_path / "away")
-    (tmp_path / "shared" / "data").mkdir()
-    (tmp_path / "away").rename(tmp_path / "shared" / "data" / "labelled")
-    monkeypatch.delenv("ASAP_TEST_DATA")
-    monkeypatch.chdir(tmp_path / "clone")
-    assert [path.name for path in at_hand()] == ["first"]
 
 
 def test_command_prints_the_table_and_writes_page_and_figures(
