@@ -180,40 +180,10 @@ def test_what_the_filter_in_front_takes_out_is_not_the_algorithms_fault():
     assert "filter" in said
 
 
-def test_a_load_above_one_means_that_the_algorithm_limits():
-    run = fake_run(rates=(12e6, 12e6), duration_s=1.0)
-    diagnosis = analysis.diagnose(run)
-    assert diagnosis.limit == "algorithm"
-    assert diagnosis.bound_us is None
-    # rho = 1.8; 95 % of it and 2 alpha/L of overhead.
-    assert diagnosis.speedup == pytest.approx(0.95 * 1.8 + 0.02, rel=0.03)
-
-
-def test_a_short_bound_limits_and_the_longer_one_is_told():
-    diagnosis = analysis.diagnose(steady(4e6, bound_us=450.0, rate_bound=3.5e6))
-    assert diagnosis.limit == "bound"
-    assert diagnosis.bound_us == pytest.approx(200 / (1 - 0.95 * 0.6), rel=0.03)
-
-
-def test_below_two_and_a_half_fixed_costs_no_bound_can_be_promised():
-    assert analysis.diagnose(steady(2e6, bound_us=150.0)).limit == "fixed cost"
-    assert analysis.diagnose(steady(4e6, bound_us=240.0)).limit == "fixed cost"
-    assert analysis.diagnose(steady(4e6, bound_us=260.0)).limit == "bound"
-
-
 def test_the_least_bound_is_two_and_a_half_fixed_costs_or_two_events():
     assert analysis.Cost(100, 300).least_bound_us == 250
     assert analysis.Cost(100, 1e6).least_bound_us == 2200
     assert analysis.Cost(100, 300, one_size=50).least_bound_us == pytest.approx(4.6)
-
-
-def test_the_noise_of_a_cost_is_that_of_a_simulated_one():
-    """Alpha and beta are means: the median package takes 4 % less."""
-    rng = np.random.default_rng(0)
-    size = np.ceil(10 ** rng.uniform(0, 4, 8000))
-    found = analysis.fit_cost(run_with(size, noisy(size, 100, 300, 0.3, rng)))
-    assert (found.alpha_us, found.beta_ns) == pytest.approx((100, 300), rel=0.02)
-    assert found.noise == pytest.approx(0.3, rel=0.03)
 
 
 @pytest.mark.parametrize(

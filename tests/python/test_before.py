@@ -50,23 +50,6 @@ def test_the_filter_sees_every_event_and_the_ledger_says_what_it_dropped():
     assert run.summary()["gamma"]["mean"] == 1
 
 
-def test_gamma_thins_what_passed():
-    events = stream()
-    run = asap.simulate(
-        events,
-        cost=asap.LinearCost(50, 2_000),
-        scheme=asap.Asap2020(rate_bound=5e4),
-        before=Sparse(),
-        execution="whole",
-    )
-    assert run.ledger.balanced
-    assert run.ledger.discarded > 0
-    undecided = run.ledger.stale + run.ledger.overflow
-    assert run.ledger.filtered == pytest.approx(0.75 * (events.size - undecided), abs=2)
-    passed = run.packages["size"] / run.packages["gamma"]
-    np.testing.assert_allclose(passed, run.packages["offered"] / 4, atol=0.76)
-
-
 def test_under_the_clock_too():
     events = stream(duration_s=0.02)
     seen = []

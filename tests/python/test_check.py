@@ -171,12 +171,6 @@ def test_hot_pixels() -> None:
     assert found.hot_pixels["events"].tolist() == sorted(hot.values(), reverse=True)
 
 
-def test_a_busy_line_is_not_hot() -> None:
-    found = check(with_busy([(x, 100) for x in range(20)], 300))
-    assert outcome(found) == {}
-    assert len(found.hot_pixels) == 0
-
-
 # ---- all at once ----------------------------------------------------------------------------
 
 
@@ -311,16 +305,6 @@ def test_a_line_that_is_no_event(tmp_path: Path) -> None:
         assert asap.check(asap.read(path, **SENSOR, on_bad=on_bad)).findings == found.findings
 
 
-def test_a_truncated_file_is_inspected_up_to_there(tmp_path: Path) -> None:
-    path = tmp_path / "events.npy"
-    np.save(path, EVENTS)
-    corrupt.cut_file(path, path.stat().st_size - 16 * 1000 - 3)
-    found = check(path)
-    assert outcome(found) == {"truncated": (1, "wrong", None, None)}
-    assert found.findings["truncated"].byte == path.stat().st_size - 13
-    assert found.events == EVENTS.size - 1001
-
-
 def test_a_file_that_is_cut_before_its_first_event(tmp_path: Path) -> None:
     np.savez(tmp_path / "events.npz", events=EVENTS)
     corrupt.cut_file(tmp_path / "events.npz", 500)
@@ -347,15 +331,15 @@ def test_memory_is_flat() -> None:
     assert peak < found.events * 16 / 2
 
 
-# ---- what it tells --------------------------------------------------------------------------
-
-
 def test_the_table_has_every_check_and_a_remedy_for_what_is_not_ok() -> None:
     found = check(everything_wrong())
     words = " ".join(str(found).split())
     for name, finding in found.findings.items():
         assert f"{name.replace('_', ' ')} {finding.count:,} {finding.verdict}" in words
         assert finding.remedy in words and bool(finding.remedy) == (finding.verdict != "ok")
+
+
+# ---- what it tells --------------------------------------------------------------------------
 
 
 def test_summary_is_plain_json() -> None:

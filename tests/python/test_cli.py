@@ -204,16 +204,6 @@ def test_check_is_check(call: Call, flight: Path, bad: int, code: int) -> None:
     assert (got, json.loads(out)) == (code, plain(found.summary()))
 
 
-def test_check_of_a_file_that_is_cut(call: Call, flight: Path) -> None:
-    corrupt.cut_file(flight, 20_000)
-    code, out, err = call("check", flight, *SENSOR)
-    assert (code, err) == (1, "") and "first: byte 20,000\n" in out
-    np.savez("a.npz", events=EVENTS)
-    corrupt.cut_file(Path("a.npz"), 500)
-    code, out, err = call("check", "a.npz", *SENSOR)
-    assert (code, err) == (3, "") and "first: byte 500\n" in out
-
-
 def test_the_options_of_reading(call: Call, flight: Path) -> None:
     write_csv(Path("a.csv"), EVENTS)
     Path("a.csv").write_text(Path("a.csv").read_text().partition("\n")[2])
@@ -322,25 +312,6 @@ def test_progress_is_for_terminals_only(monkeypatch: pytest.MonkeyPatch) -> None
     monkeypatch.setattr(sys, "stderr", None)  # closed
     with _progress.on_terminal() as on_progress:
         assert on_progress is None
-
-
-class Terminal(io.StringIO):
-    def isatty(self) -> bool:
-        return True
-
-
-def test_progress_without_tqdm_is_a_line_every_ten_seconds(monkeypatch: pytest.MonkeyPatch) -> None:
-    terminal, clock = Terminal(), SimpleNamespace(now_s=0.0)
-    monkeypatch.setattr(sys, "stderr", terminal)
-    monkeypatch.setitem(sys.modules, "tqdm", None)
-    monkeypatch.setattr(_progress.time, "monotonic", lambda: clock.now_s)
-    with _progress.on_terminal() as on_progress:
-        for clock.now_s in (1.0, 9.9, 10.0, 12.0, 20.0):
-            on_progress(int(clock.now_s * 1000), 50_000, None)
-    assert terminal.getvalue().splitlines() == [
-        "asap: 10,000 of 50,000 events",
-        "asap: 20,000 of 50,000 events",
-    ]
 
 
 # ---- as a process of its own ----------------------------------------------------------------

@@ -5,18 +5,14 @@ from __future__ import annotations
 import io
 import os
 import zipfile
-from decimal import Decimal
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 import asap
 import corrupt
-from asap import _core
 from asap.events import Events
 from asap.io import FILE_FORMATS, CorruptFile, UnsupportedFormat
 from event_files import WRITERS, assert_equal_events
@@ -244,13 +240,6 @@ class TestText:
         rows[:, 0] /= 1000
         np.savetxt(tmp_path / "events.txt", rows)
         assert asap.load(tmp_path / "events.txt")["t"].tolist() == [1000, 2000]
-
-
-@given(st.decimals(0, 10**9, places=9, allow_nan=False))
-def test_seconds_equal_exact_rounding(seconds: Decimal) -> None:
-    decoder = _core.TextDecoder()
-    (event,) = decoder.decode(f"{seconds:f} 1 2 1\n".encode())
-    assert event["t"] == round(seconds * 10**6)
 
 
 class TestErrors:

@@ -11,7 +11,6 @@ import asap
 import raw_files
 from asap.io import CorruptFile, UnsupportedFormat
 from corrupt import clean_events
-from event_files import assert_equal_events
 
 EVENTS = clean_events(2000)
 
@@ -69,31 +68,6 @@ class TestBadWords:
         assert sum(map(len, rec)) == 1
         assert rec.rejected["before_start"] == 1
         assert rec.received == 2
-
-
-class TestDat:
-    @pytest.mark.parametrize("stated", ["% Version 1\n", ""])
-    def test_version_1(self, tmp_path: Path, stated: str) -> None:
-        events = EVENTS[(EVENTS["x"] < 304) & (EVENTS["y"] < 240)]
-        words = raw_files.dat1_words(events).tobytes()
-        path = tmp_path / "some.dat"
-        header = f"% Data file containing TD events.\n{stated}% Width 304\n% Height 240\n"
-        path.write_bytes(header.encode() + b"\x00\x08" + words)
-        rec = asap.read(path)
-        assert (rec.width, rec.height) == (304, 240)
-        assert_equal_events(np.concatenate(list(rec)), events)
-
-    @pytest.mark.parametrize(
-        ("version", "kind", "size", "words"),
-        [(2, 14, 8, "type 14 and 8 bytes"), (2, 12, 16, "16 bytes"), (3, 12, 8, "version 3")],
-    )
-    def test_others_are_refused(
-        self, tmp_path: Path, version: int, kind: int, size: int, words: str
-    ) -> None:
-        header = raw_files.DAT_HEADER.format(version=version, w=2, h=2).encode()
-        (tmp_path / "some.dat").write_bytes(header + bytes([kind, size]) + bytes(32))
-        with pytest.raises(UnsupportedFormat, match=words):
-            asap.read(tmp_path / "some.dat")
 
 
 class TestWithoutAHeader:

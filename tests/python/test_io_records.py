@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import struct
 import warnings
 from bisect import bisect_right
 from pathlib import Path
@@ -16,7 +15,7 @@ from asap import _core
 from asap.events import Events
 from asap.io import CorruptFile, TruncatedFileWarning, UnsupportedFormat
 from event_files import assert_equal_events
-from record_files import FORMATS, RECORDS, SIDE, Format, aedat2, aedat3, atis40, dvs128, packet
+from record_files import FORMATS, SIDE, Format, aedat2, aedat3, atis40
 
 EVENTS = corrupt.clean_events(1000, start_us=7_000_000)
 EVENTS["x"] %= SIDE
@@ -114,16 +113,6 @@ def test_cut_at_every_byte(form: Format, tmp_path: Path) -> None:
             assert f"byte {rec.truncated_at}: " in cuts[0]
 
 
-def test_a_header_that_is_cut(tmp_path: Path) -> None:
-    signature = 12  # bytes, of all of them
-    for form in RECORDS.values():
-        content = written(form, EVENTS[:0], tmp_path).read_bytes()
-        for size in range(signature, len(content)):
-            path = file_of(tmp_path, content[:size], f"a{form.suffix}")
-            with pytest.raises((CorruptFile, UnsupportedFormat), match="header"):
-                asap.read(path)
-
-
 # ---- 40-bit events: nothing in the bytes says what they are ------------------------------------
 
 
@@ -147,13 +136,6 @@ def test_bytes_whose_times_go_back_are_no_40_bit_events(tmp_path: Path) -> None:
         asap.read(file_of(tmp_path, noise, "a.bin"))
 
 
-def test_marks_of_time_in_row_240(tmp_path: Path) -> None:
-    rows = np.zeros(4, asap.EVENT_DTYPE)
-    rows["y"], rows["t"] = [1, 240, 240, 2], [8000, 0, 0, 5]
-    events = asap.load(file_of(tmp_path, atis40(rows), "a.bin"))
-    assert events["t"].tolist() == [8000, 2 * 8192 + 5]
-
-
 # ---- what is not read, and why -----------------------------------------------------------------
 
 
@@ -173,12 +155,6 @@ def test_what_is_not_read_says_so(content: bytes, words: str, tmp_path: Path) ->
         asap.read(file_of(tmp_path, content, "a.aedat"))
 
 
-def test_an_unnamed_dvs128_is_known_by_its_addresses(tmp_path: Path) -> None:
-    rec = asap.read(file_of(tmp_path, aedat2(EVENTS, "", dvs128), "a.aedat"))
-    assert (rec.width, rec.height) == (128, 128)
-    assert_equal_events(np.concatenate(list(rec)), EVENTS)
-
-
 def test_an_unnamed_davis_needs_its_size(tmp_path: Path) -> None:
     path = file_of(tmp_path, aedat2(EVENTS, "# HardwareInterface: DAVIS FX2\r\n"), "a.aedat")
     assert_equal_events(asap.load(path, width=128, height=128), EVENTS)
@@ -186,36 +162,3 @@ def test_an_unnamed_davis_needs_its_size(tmp_path: Path) -> None:
     with pytest.raises(UnsupportedFormat, match="give width and height"):
         asap.read(path, width=128)
     assert_equal_events(asap.load(path, width=128, height=128), EVENTS)
-
-
-# ---- what is no event --------------------------------------------------------------------------
-
-
-def test_bytes_between_the_packets_are_counted(tmp_path: Path) -> None:
-    good = aedat3(EVENTS[:500])
-    more = aedat3(EVENTS[500:]).partition(b"#!END-HEADER\r\n")[2]
-    path = file_of(tmp_path, good + b"\xee" * 100 + more, "a.aedat")
-    rec = asap.read(path)
-    assert_equal_events(np.concatenate(list(rec)), EVENTS)
-    assert rec.rejected["bad_record"] == 1
-    assert rec.bad_offsets == (len(good),)
-    with pytest.raises(CorruptFile, match=f"byte {len(good)}"):
-        asap.load(path, on_bad="raise")
-
-
-def test_triggers(tmp_path: Path) -> None:
-    edges = b"".join(struct.pack("<Ii", 1 | kind << 1, 7_000_000 + kind) for kind in (2, 3))
-    content = {
-        "aedat3": aedat3(EVENTS) + packet(0, edges),
-        "aedat2": aedat2(EVENTS) + struct.pack(">4I", 0x400, 7_000_002, 0x400, 7_000_003),
-    }
-    values = {"aedat3": [1, 0], "aedat2": [1, 1]}
-    for name, data in content.items():
-        rec = asap.read(file_of(tmp_path, data, f"{name}.aedat"))
-        assert len(np.concatenate(list(rec))) == len(EVENTS)
-        assert rec.trigger_count == 2
-        assert rec.triggers["t"].tolist() == [7_000_002, 7_000_003]
-        assert rec.triggers["value"].tolist() == values[name]
-
-
-# ---- recordings --------------------------------------------------------------------------------

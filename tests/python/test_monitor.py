@@ -6,11 +6,9 @@ import io
 import json
 import os
 import pty
-import re
 import subprocess
 import sys
 from contextlib import suppress
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -72,27 +70,6 @@ def test_it_is_one_screen(width: int) -> None:
     assert len(lines) <= 24 and max(map(len, lines)) <= width
 
 
-def test_silence_leaves_empty_columns() -> None:
-    screen = monitor.Screen("flight")
-    screen.add(rows_of(50))
-    screen.add(rows_of(50, since=500))
-    lines = drawn(screen).split("\n")
-    curve = next(below for line, below in pairwise(lines) if "event rate" in line)
-    assert curve.endswith("█" + " " * 9 + "█")
-
-
-def test_latency_beyond_the_bound_is_red() -> None:
-    red = re.escape("\x1b[31m")
-    for latency_us, is_red in ((9_999, False), (10_001, True)):
-        screen = monitor.Screen("flight")
-        screen.add(rows_of(50, latency_max_us=latency_us, all_discarded=0, gamma=1.0))
-        out = console.Console(
-            width=80, file=io.StringIO(), force_terminal=True, color_system="standard"
-        )
-        out.print(screen)
-        assert bool(re.search(red + "[▁-█]", out.file.getvalue())) == is_red
-
-
 def test_a_file_is_followed_through_its_changes(tmp_path: Path) -> None:
     path = tmp_path / "rows.csv"
     file = TelemetryFile(path)
@@ -116,13 +93,6 @@ def test_a_file_that_is_being_made_has_no_rows_yet(tmp_path: Path) -> None:
     assert len(tail.read()) == 0
     TelemetryFile(path)._append(rows_of(3))
     assert tail.read()["index"].tolist() == [0, 1, 2]
-
-
-def test_of_a_long_file_the_end_is_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(monitor, "_TAIL", 1000)
-    TelemetryFile(tmp_path / "rows.csv")._append(rows_of(500))
-    found = monitor.Tail(tmp_path / "rows.csv").read()["index"].tolist()
-    assert 1 < len(found) < 20 and found == list(range(500 - len(found), 500))
 
 
 def test_the_newest_row_as_json(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -82,24 +82,6 @@ def test_a_summary_says_that_it_has_no_log(run: asap.Run, tmp_path: Path) -> Non
     assert not (tmp_path / "b.npz").exists()
 
 
-@pytest.mark.parametrize("name", ["run", "run.txt", "run.npy", "npz"])
-def test_another_ending_is_refused_before_the_work(
-    run: asap.Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
-) -> None:
-    monkeypatch.setattr(asap.Run, "summary", None)
-    with pytest.raises(ValueError, match=r"path = .*: .*\.npz \(log and summary\) or \.json"):
-        run.save(tmp_path / name)
-    assert not list(tmp_path.iterdir())
-
-
-def test_a_long_run_is_small(tmp_path: Path) -> None:
-    events = streams.poisson(2e6, 0.2, seed=1)
-    long = asap.simulate(events, cost=asap.LinearCost(20, 50, noise=0.3), scheme=asap.Greedy())
-    assert long.packages.size > 5000
-    path = long.save(tmp_path / "long.npz")
-    assert path.stat().st_size <= 40 * long.packages.size
-
-
 # ---- lies -----------------------------------------------------------------------------------
 
 

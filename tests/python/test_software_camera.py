@@ -111,26 +111,6 @@ def test_what_is_not_read_in_time_is_lost_and_counted(drop: float) -> None:
     assert lost > 1000
 
 
-def test_what_waited_for_a_second_run_is_left_out() -> None:
-    stamps: list[Any] = []
-    with asap.SoftwareCamera(stream(800_000, 5), packet_us=100, **SENSOR) as camera:
-        next(iter(camera))
-        time.sleep(1)  # the pipe holds 1 MiB, the camera 1000 packets
-        asap.run(camera, algorithm=lambda some: stamps.append(some["t"][0]), latency_ms=LONG_MS)
-    assert stamps[0] >= 0.5e6  # a busy machine plays late
-
-
-def test_a_consumer_that_cannot_keep_up_does_not_hold_the_camera_up() -> None:
-    with (
-        asap.SoftwareCamera(stream(), **SENSOR) as camera,
-        asap.Pipeline(camera=camera, latency_ms=10) as pipeline,
-    ):
-        for _ in pipeline:
-            time.sleep(0.03)
-    assert pipeline.ledger.received == 2000
-    assert pipeline.ledger.balanced
-
-
 @pytest.mark.parametrize(
     ("source", "given", "words"),
     [
