@@ -12,7 +12,7 @@ from asap_laboratory import STUDIES, conduct
 from asap_laboratory.page import only
 from asap_laboratory.profiles import FURTHER, LATENCY_MS
 from asap_laboratory.schemes import measure, summary
-from asap_laboratory.schemes.cases import NAMED, Case, cases
+from asap_laboratory.schemes.cases import FRESH, FRESH_SEEDS, NAMED, Case, cases
 from asap_laboratory.schemes.contenders import HINDSIGHT, PRIORS, TABLE, contender
 from asap_laboratory.schemes.goals import goals
 from asap_laboratory.schemes.probes import BOUNDS, FewProbe, SteadyProbe, mean_latency_us
@@ -26,6 +26,14 @@ def by_label(rows):
 
 
 # ---- cases ----------------------------------------------------------------------------------
+
+
+def test_fresh_seeds_are_no_others():
+    full = list(cases("full"))
+    fresh = [case for case in full if case.seed in FRESH_SEEDS]
+    assert {case.contenders for case in fresh} == {FRESH}
+    assert len(fresh) == 20 * len(list(cases("default")))
+    assert {case.seed for case in full[: -len(fresh)]} == {1, 2, 3}
 
 
 def test_every_label_makes_a_scheme_of_its_own():
@@ -252,6 +260,23 @@ def test_seeds_are_averaged_before_the_least_is_taken_and_hindsight_takes_the_be
     found = {row["contender"]: row["score"] for row in tables["study"]}
     assert found == pytest.approx({"OB(L)/input": 1.0, "Greedy": 0.4, "Asap2020 best": 0.5})
     assert [row["least"] for row in tables["aggregates"]] == pytest.approx([0.4, 0.5])
+
+
+def test_fresh_seeds_are_judged_by_themselves():
+    spoiled = {"score": 0.5, "p99_ms": 12.0, "max_ms": 15.0}
+    rows = fake()
+    for seed in FRESH_SEEDS[:2]:
+        rows += rows_of(Case("high", "slow", seed, contenders=FRESH))
+        rows += rows_of(Case("low", "slow", seed, contenders=FRESH))
+    (one,) = only(rows, seed=FRESH_SEEDS[0], profile="high", contender="whole Deadline")
+    one |= spoiled
+    tables = summary(rows)
+    assert only(tables["study"], contender="whole Deadline", profile="high")[0]["score"] == 0.99
+    (found,) = only(tables["fresh"], contender="whole Deadline")
+    assert STUDY.cells["on fresh seeds"](found) == ".867±.1732 / .500 / 1.20 / 1.50"
+    (whole,) = [row for row in tables["goals"] if row["test"] == "no outages, whole"]
+    assert (whole["holds"], whole["fresh_holds"]) == (True, False)
+    assert STUDY.cells["fresh"](whole).startswith("**FAIL**: p99 1.200 L (slow/high)")
 
 
 # ---- the whole ------------------------------------------------------------------------------

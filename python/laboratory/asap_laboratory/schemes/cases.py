@@ -2,9 +2,9 @@
 
 Three forms of the study choose cases. "default" takes the windows of the reference with one of its
 three seeds: 5 s, 2 s for the further profiles. "full" takes all three seeds and the rows with
-hindsight. "quick" takes a part of the cases in windows of 1 to 5 s; the rates of `uav` and `ramp`,
-which climb for 5 s, climb as far in a shorter window, and the rise of beta in slow_tv at 2.75 s is
-beyond most of them.
+hindsight, and `FRESH` on twenty more seeds. "quick" takes a part of the cases in windows of 1 to
+5 s; the rates of `uav` and `ramp`, which climb for 5 s, climb as far in a shorter window, and the
+rise of beta in slow_tv at 2.75 s is beyond most of them.
 """
 
 from __future__ import annotations
@@ -20,6 +20,12 @@ from asap_laboratory.schemes.contenders import HINDSIGHT, PRIORS, TABLE, contend
 from asap_laboratory.schemes.measure import measure
 
 NAMED = ("quiet", "low", "uav", "flicker", "steps", "bursts", "high", "ramp", "steps60")
+
+FRESH_SEEDS = range(2000, 2020)
+"""Seeds that chose nothing."""
+
+FRESH = ("Deadline", "Deadline oh.5", "whole Deadline", "jAER timer")
+"""Contenders that go through the cases of the fresh seeds."""
 
 _CAPACITY = 1 << 20
 _CLIMB_FOR_5_S = ("uav", "ramp")
@@ -139,3 +145,6 @@ def cases(form: str) -> Iterator[Case]:
             with_wrong_priors = model == "slow" and profile in _WITH_WRONG_PRIORS
             extra = PRIORS if with_wrong_priors else ()
             yield Case(profile, model, seed, duration_s, contenders + extra)
+    for seed in FRESH_SEEDS if form == "full" else ():
+        for (profile, model), duration_s in durations_s.items():
+            yield Case(profile, model, seed, duration_s, FRESH)
