@@ -133,29 +133,6 @@ def test_diagnostics_name_the_trouble(peer: Any) -> None:
     assert status.values["state"] == "open"  # no quotes
 
 
-def test_a_consumer_that_stays_away_gets_little_and_returns_to_fresh_events(peer: Any) -> None:
-    sent = 0
-
-    def send_for(seconds: float) -> None:
-        nonlocal sent
-        end = time.monotonic() + seconds
-        while time.monotonic() < end:  # a million events per second
-            peer.send(mono(np.arange(10_000)), time_base=sent * 10_000_000)
-            sent += 1
-            time.sleep(0.01)
-
-    peer.answer()
-    with AsapNode(encoding="mono", latency_ms=50, feedback_timeout_ms=500):
-        peer.wait_for_node()
-        send_for(4.0)
-        stats = peer.next_stats()
-        assert stats["feedback"]["timeouts"] > 2
-        assert stats["ledger"]["delivered"] < 100_000 + 1_000 * stats["feedback"]["timeouts"]
-        peer.on_packet = lambda packet: peer.finish(packet.seq, 0.0)
-        send_for(3.0)
-        peer.diagnosed(OK, "ok")
-
-
 @pytest.mark.parametrize(
     ("parameters", "reason"),
     [

@@ -79,18 +79,6 @@ def test_the_messages_are_those_of_the_published_packages(make_peer: Callable[..
     assert message.events[0].ts.to_nsec() == 3_000_001_000
 
 
-def test_torn_messages_are_refused(arrays: Peer) -> None:
-    good = array(np.arange(10))
-    with AsapNode(latency_ms=200) as node:
-        arrays.wait_for_node()
-        for message in (good, b"", good[:20], good[:-1], good + b"\0", b"\xff" * 100):
-            arrays.send_raw(message)
-        wait(lambda: arrays.next_stats()["messages"]["received"] == 6, "all messages")
-        assert arrays.settled()["messages"]["refused_size"] == 5
-        assert node.interrupt()[0] == 0
-    assert len(arrays.array_events) == 10
-
-
 def test_another_type_is_refused(peer: Peer) -> None:
     peer.driver.unregister()
     with AsapNode() as node:

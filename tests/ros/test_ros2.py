@@ -192,38 +192,6 @@ def test_a_node_with_bad_parameters_of_dds_does_not_start(parameters: dict, reas
     assert reason in said
 
 
-def test_the_slowest_consumer_sets_the_pace(make_peer: Callable[..., Peer]) -> None:
-    """Each of two consumers has every package, and none before both have finished."""
-    fast, slow = make_peer(), make_peer(name="slow")
-    finished: dict[int, float] = {}
-
-    def work(packet: Packet) -> None:
-        time.sleep(0.05)
-        finished[packet.seq] = time.monotonic()
-        slow.finish(packet.seq, 0.05)
-
-    fast.on_packet = lambda packet: fast.finish(packet.seq, 0.0)
-    slow.on_packet = work
-    for peer in (fast, slow):
-        peer.answer()
-    with AsapNode(encoding="mono", latency_ms=300):
-        for peer in (fast, slow):
-            peer.wait_for_node()
-        for i in range(200):
-            fast.send(mono(np.arange(10) * 100 + i * 10_000))
-            time.sleep(0.01)
-        stats = fast.settled()
-        came = len(fast.events), len(slow.events)
-        slow.on_packet = lambda packet: None
-        for i in range(200, 500):
-            fast.send(mono(np.arange(10) * 100 + i * 10_000))
-            time.sleep(0.01)
-        fast.diagnosed(WARN, "left out until it gives feedback: /slow; ")
-    assert (stats["feedback"]["consumers"], stats["feedback"]["timeouts"]) == (2, 0)
-    assert came == (stats["ledger"]["delivered"],) * 2
-    assert np.diff([*finished.values()]).min() > 0.04
-
-
 def test_a_consumer_that_is_killed_and_comes_back(make_peer: Callable[..., Peer]) -> None:
     driver = make_peer(consume=False)
     with AsapNode(encoding="mono", latency_ms=200):
