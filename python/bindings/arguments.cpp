@@ -55,12 +55,6 @@ std::chrono::nanoseconds time_of_ms(const char* field, py::handle value) {
   return std::chrono::nanoseconds(std::llround(ms * 1e6));
 }
 
-Execution execution_from(const std::string& name) {
-  if (name == "whole") return Execution::whole;
-  if (name == "anytime") return Execution::anytime;
-  throw_bad_value("execution", "'" + name + "'", "use 'whole' or 'anytime'");
-}
-
 void translate_bad_times() {
   py::register_exception_translator([](std::exception_ptr thrown) {
     try {

@@ -9,7 +9,6 @@
 #include <limits>
 #include <string>
 
-#include "asap/schemes/scheme.hpp"
 #include "core/check.hpp"
 
 namespace asap::python {
@@ -33,9 +32,6 @@ std::chrono::nanoseconds time_of_ms(const char* field, pybind11::handle value);
 inline double ms_of(std::chrono::nanoseconds time) {
   return static_cast<double>(time.count()) / 1e6;
 }
-
-// "whole" or "anytime".
-Execution execution_from(const std::string& name);
 
 // What C++ says of a time, "latency = -1 ms: ...", in Python's names: "latency_ms = -1: ...".
 void translate_bad_times();

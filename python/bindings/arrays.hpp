@@ -47,8 +47,7 @@ py::array view_of(EventSpan events, py::handle owner);
 template <class T>
 auto feed_unheld(T& self, const py::array& events) {
   const EventSpan span = as_span(events);
-  const WithoutGil release;
-  return self.feed(span);
+  return without_gil([&] { return self.feed(span); });
 }
 
 // An array that owns the vector's memory.

@@ -8,7 +8,6 @@
 #include "arrays.hpp"
 #include "formats/columns.hpp"
 #include "gil.hpp"
-#include "layers.hpp"
 
 namespace asap::python::columns {
 
@@ -67,12 +66,7 @@ py::object events_of_columns(const py::array& t, const py::array& x, const py::a
                                : py::cast<py::array>(into);
   const std::span<Event> out = as_writable_span(events);
   if (out.size() != static_cast<std::size_t>(count)) return py::none();
-  bool good = false;
-  {
-    const WithoutGil release;  // pure C++ on memory that the arguments keep alive
-    good = gather(columns, out);
-  }
-  if (!good) return py::none();
+  if (!without_gil([&] { return gather(columns, out); })) return py::none();
   return events;
 }
 

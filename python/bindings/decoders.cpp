@@ -1,5 +1,5 @@
-// The layer `formats`: files of words, opened, and the decoders of their records and of the packets
-// in ROS messages.
+// The layer `formats`: files of words, opened, and the decoders of their records, of the packets in
+// ROS messages, and of text.
 //
 // decode_into(bytes, out) -> (bytes consumed, events written). It keeps the triggers that it meets
 // until take_triggers(). GIL released in the loops.
@@ -11,9 +11,11 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <span>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <utility>
 #include <variant>
@@ -23,9 +25,9 @@
 #include "arrays.hpp"
 #include "asap/formats/decoder.hpp"
 #include "asap/formats/packets.hpp"
+#include "asap/formats/text.hpp"
 #include "formats/opener.hpp"
 #include "gil.hpp"
-#include "layers.hpp"
 
 namespace asap::python::decoders {
 
@@ -60,10 +62,11 @@ py::dtype trigger_dtype() {
       .get_stored();
 }
 
-py::tuple offsets_of(std::span<const std::uint64_t> noted) {
-  py::tuple offsets(noted.size());
-  for (std::size_t i = 0; i < noted.size(); ++i) offsets[i] = noted[i];
-  return offsets;
+template <class Values>
+py::tuple tuple_of(const Values& values) {
+  py::tuple all(values.size());
+  for (std::size_t i = 0; i < values.size(); ++i) all[i] = py::cast(values[i]);
+  return all;
 }
 
 // ---- a decoder ----
@@ -107,11 +110,7 @@ struct BoundDecoder {
   py::tuple decode_into(const py::buffer& bytes, const py::array& out) {
     const BytesView view(bytes);
     const std::span<Event> events = as_writable_span(out);
-    Progress progress;
-    {
-      const WithoutGil release;  // pure C++ on memory that `bytes` and `out` keep alive
-      progress = decode(view.bytes(), events);
-    }
+    const Progress progress = without_gil([&] { return decode(view.bytes(), events); });
     return py::make_tuple(progress.bytes, progress.events);
   }
 
@@ -128,7 +127,7 @@ py::class_<BoundDecoder<Decoder>> bind_methods(py::module_& m, const char* name)
   };
   property("unfinished", [](const auto& decoder) { return decoder.unfinished(); });
   property("bad_records", [](const auto& decoder) { return decoder.bad_records(); });
-  property("noted", [](const auto& decoder) { return offsets_of(decoder.noted()); });
+  property("noted", [](const auto& decoder) { return tuple_of(decoder.noted()); });
   property("triggers", [](const auto& decoder) { return decoder.triggers(); });
   property("before_start", [](const auto& decoder) { return decoder.before_start(); });
   return bound.def("decode_into", &Bound::decode_into, py::arg("bytes"), py::arg("out"))
@@ -161,8 +160,9 @@ void bind_packet_decoder(py::module_& m, const char* name) {
 OpenedRecording opened(const py::object& path, const std::string& format, int width, int height) {
   const auto native = path.cast<std::filesystem::path>();
   try {
-    const WithoutGil release;  // reads the file
-    return *open_recording(native, {.format = format, .width = width, .height = height});
+    return without_gil([&] {
+      return *open_recording(native, {.format = format, .width = width, .height = height});
+    });
   } catch (const BadRecording& error) {
     const py::module_ errors = py::module_::import("asap.io.errors");
     if (error.kind == BadRecording::Kind::corrupt) {
@@ -217,15 +217,62 @@ void bind_files(py::module_& m) {
           },
           py::arg("first_offset"), py::arg("stream") = 0);
   m.def("data_end", &data_end, py::arg("path"));
-  const auto names = recording_formats();
-  py::tuple formats(names.size());
-  for (std::size_t i = 0; i < names.size(); ++i) formats[i] = py::str(names[i]);
-  m.attr("RECORDING_FORMATS") = formats;
+  m.attr("RECORDING_FORMATS") = tuple_of(recording_formats());
   m.def(
       "recording_format",
       [](const py::buffer& front) { return recording_format(BytesView(front).bytes()); },
       py::arg("front"));
 }
+
+// ---- text ----
+
+// The room stays, so that an array is as large as its events and touches no fresh memory.
+struct DecoderWithRoom : TextDecoder {
+  using TextDecoder::TextDecoder;
+  std::vector<Event> room;
+};
+
+py::array decode(DecoderWithRoom& decoder, const py::bytes& bytes) {
+  const std::string_view text = bytes;
+  const std::size_t count = without_gil([&] {
+    decoder.room.resize(std::max(decoder.room.size(), decoder.room_for(text.size())));
+    const auto all = std::as_bytes(std::span(text));
+    return decoder.TextDecoder::decode(all, std::span<Event>(decoder.room)).events;
+  });
+  py::array events(event_dtype(), static_cast<py::ssize_t>(count));
+  // NumPy would copy field by field.
+  if (count > 0) std::memcpy(events.mutable_data(), decoder.room.data(), count * sizeof(Event));
+  return events;
+}
+
+// (events of the last line, whether the input ended well)
+py::tuple finish(DecoderWithRoom& decoder) {
+  std::vector<Event> events;
+  const bool ended_well = decoder.finish(events);
+  return py::make_tuple(moved_to_array(std::move(events)), ended_well);
+}
+
+void bind_text(py::module_& m) {
+  py::class_<DecoderWithRoom>(m, "TextDecoder")
+      .def(py::init([](const std::string& order, int time_exponent, bool clamp,
+                       const py::object& first_offset) {
+             return DecoderWithRoom({.order = order,
+                                     .time_exponent = time_exponent,
+                                     .clamp = clamp,
+                                     .first_offset = whole_number("first_offset", first_offset)});
+           }),
+           py::kw_only(), py::arg("order") = "txyp", py::arg("time_exponent") = 6,
+           py::arg("clamp") = false, py::arg("first_offset") = 0)
+      .def("decode", &decode, py::arg("bytes"))
+      .def("finish", &finish)
+      .def_property_readonly("bad_records", &DecoderWithRoom::bad_records)
+      .def_property_readonly("out_of_bounds", &DecoderWithRoom::out_of_bounds)
+      .def_property_readonly("clamped_positions", &DecoderWithRoom::clamped_positions)
+      .def_property_readonly(
+          "noted", [](const DecoderWithRoom& decoder) { return tuple_of(decoder.noted()); });
+}
+
+// ---- ROS messages ----
 
 std::size_t decode_dvs_into(const py::buffer& bytes, bool cdr, const py::object& first,
                             const py::array& out) {
@@ -235,8 +282,7 @@ std::size_t decode_dvs_into(const py::buffer& bytes, bool cdr, const py::object&
   const std::size_t whole = records.whole();
   const std::size_t start = std::min(whole, std::size_t{whole_number("first", first)});
   const std::size_t count = std::min(whole - start, events.size());
-  const WithoutGil release;  // pure C++ on memory that `bytes` and `out` keep alive
-  records.decode(start, events.first(count));
+  without_gil([&] { records.decode(start, events.first(count)); });
   return count;
 }
 
@@ -245,6 +291,7 @@ std::size_t decode_dvs_into(const py::buffer& bytes, bool cdr, const py::object&
 void bind(py::module_& m) {
   m.attr("TRIGGER_DTYPE") = trigger_dtype();
   bind_files(m);
+  bind_text(m);
   bind_new<Evt3Decoder>(m, "Evt3Decoder").def("resume", [](BoundDecoder<Evt3Decoder>& bound) {
     bound.decoder.resume();
   });

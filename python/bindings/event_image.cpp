@@ -81,15 +81,12 @@ py::tuple images(EventImage& image, const py::object& events) {
   const EventSpan span = as_span(events);
   std::vector<float> values;
   std::vector<std::int64_t> times_us;
-  std::size_t complete = 0;
-  {
-    // Pure C++ on memory that `events` keeps alive: other Python threads may run.
-    const WithoutGil release;
-    complete = image.process(span, [&](const ImageView& view) {
+  const std::size_t complete = without_gil([&] {
+    return image.process(span, [&](const ImageView& view) {
       values.insert(values.end(), view.values.begin(), view.values.end());
       times_us.insert(times_us.end(), {view.begin_us, view.end_us});
     });
-  }
+  });
   const auto count = static_cast<py::ssize_t>(complete);
   return py::make_tuple(reshaped(std::move(values), shape_of(image.config(), complete)),
                         reshaped(std::move(times_us), {count, 2}));

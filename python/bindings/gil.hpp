@@ -40,6 +40,14 @@ class WithoutGil {
   std::uint64_t forks_ = 0;
 };
 
+// What native work returns that touches no Python, done while other Python threads may run. What it
+// reads and writes belongs to an argument of the call, which Python keeps alive.
+template <class Work>
+auto without_gil(Work&& work) {
+  const WithoutGil release;
+  return work();
+}
+
 // For ever.
 [[noreturn]] void sleep_until_the_end() noexcept;
 

@@ -8,7 +8,6 @@
 #include <optional>
 
 #include "asap/schemes/deadline.hpp"
-#include "asap/schemes/scheme.hpp"
 
 namespace asap::python {
 namespace {

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "arguments.hpp"
+#include "asap/schemes/scheme.hpp"
 #include "held.hpp"
 
 namespace asap::python {
@@ -67,6 +68,9 @@ const char* name_in(const Choices<Kind, count>& choices, Kind kind) {
   }
   return "";
 }
+
+inline constexpr Choices<Execution, 2> kExecutions{
+    {{"anytime", Execution::anytime}, {"whole", Execution::whole}}};
 
 // ---- a row ----
 

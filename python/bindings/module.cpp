@@ -1,12 +1,25 @@
-// The extension asap._core: a table of contents. One file per layer of the C++ core, no logic but
-// how it begins.
+// The extension asap._core: a table of contents, no logic but how it begins. Each name is that of
+// a file; algorithms bind themselves, see native_algorithm.hpp.
 #include <pybind11/pybind11.h>
 
 #include "asap/version.hpp"
 #include "gil.hpp"
 #include "held.hpp"
-#include "layers.hpp"
 #include "native_algorithm.hpp"
+
+// clang-format off
+namespace asap::python::gamma_filter { void bind(pybind11::module_& m); }
+namespace asap::python::validator { void bind(pybind11::module_& m); }
+namespace asap::python::schemes { void bind(pybind11::module_& m); }
+namespace asap::python::telemetry { void bind(pybind11::module_& m); }
+namespace asap::python::runner { void bind(pybind11::module_& m); }
+namespace asap::python::pipeline { void bind(pybind11::module_& m); }
+namespace asap::python::oracle { void bind(pybind11::module_& m); }
+namespace asap::python::encoder { void bind(pybind11::module_& m); }
+namespace asap::python::columns { void bind(pybind11::module_& m); }
+namespace asap::python::decoders { void bind(pybind11::module_& m); }
+namespace asap::python::synthetic { void bind(pybind11::module_& m); }
+// clang-format on
 
 namespace {
 
@@ -30,14 +43,14 @@ PYBIND11_MODULE(_core, m) {
   m.attr("__version__") = std::string(asap::kVersion);
 
   begin_once();
-  asap::python::filter::bind(m);
+  asap::python::gamma_filter::bind(m);
   asap::python::validator::bind(m);
   asap::python::schemes::bind(m);
   asap::python::telemetry::bind(m);
   asap::python::runner::bind(m);
   asap::python::pipeline::bind(m);
   asap::python::oracle::bind(m);
-  asap::python::formats::bind(m);
+  asap::python::encoder::bind(m);
   asap::python::columns::bind(m);
   asap::python::decoders::bind(m);
   asap::python::synthetic::bind(m);

@@ -66,9 +66,7 @@ $scene
 
 std::size_t learned(HotPixelMask& mask, const py::object& events) {
   const EventSpan span = as_span(events);
-  // Pure C++ on memory that `events` keeps alive: other Python threads may run.
-  const WithoutGil release;
-  return mask.learn(span);
+  return without_gil([&] { return mask.learn(span); });
 }
 
 Pairs pairs_of(const std::vector<MaskedPixel>& pixels) {

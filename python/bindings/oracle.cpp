@@ -1,10 +1,9 @@
 // The layer `oracle`.
 #include "oracle/oracle.hpp"
-#include "arguments.hpp"
+
 #include "arrays.hpp"
-#include "gil.hpp"
 #include "held.hpp"
-#include "layers.hpp"
+#include "keywords.hpp"
 
 namespace asap::python::oracle {
 
@@ -25,8 +24,8 @@ execution : {"anytime", "whole"}
     "whole": the algorithm takes a package in one call: with noise, cheap packages can't run on.
 )")
       .def(py::init(
-               [](const Held<LinearCost>& cost, double latency_us, const std::string& execution) {
-                 return Oracle(*cost, latency_us, execution_from(execution));
+               [](const Held<LinearCost>& cost, double latency_us, const py::object& execution) {
+                 return Oracle(*cost, latency_us, chosen(kExecutions, "execution", execution));
                }),
            py::arg("cost"), py::arg("latency_us"), py::arg("execution") = "anytime")
       .def("feed", &feed_unheld<Oracle>, py::arg("events").noconvert(), "Events in arrival order.")

@@ -20,13 +20,6 @@ struct Worker {
   CallersTurn turn;
 };
 
-// Pure C++ on memory that `events` keeps alive: other Python threads may run.
-template <class Work>
-void unheld(Work work) {
-  const WithoutGil release;
-  work();
-}
-
 template <class Process, class... Extra>
 void def_process(const py::object& type, Process process, const char* returns,
                  const Extra&... extra) {
@@ -55,6 +48,10 @@ width, height : int
 ------
 ValueError
     A parameter is out of range; the message names it.)"},
+      {"$learned", R"(Attributes
+----------
+alpha_us, beta_ns : float
+    Present cost of a package and of an event, as measured.)"},
       {"$outline", R"(Returns
 -------
 numpy.void
@@ -98,7 +95,7 @@ void def_taking(const py::object& type, const NativeAlgorithm& calls) {
   const auto process = [calls](const py::object& self, const py::object& events) {
     const EventSpan span = as_span(events);
     const Worker worker(calls.open, self);
-    unheld([&] { calls.process(worker.get(), span); });
+    without_gil([&] { calls.process(worker.get(), span); });
   };
   def_process(type, process, nullptr);
 }
@@ -108,7 +105,7 @@ void def_passing(const py::object& type, const NativeAlgorithm& calls) {
     const EventSpan span = as_span(events);
     std::vector<Event> passed(span.size());
     const Worker worker(calls.open, self);
-    unheld([&] { passed.resize(calls.pass(worker.get(), span, passed)); });
+    without_gil([&] { passed.resize(calls.pass(worker.get(), span, passed)); });
     return moved_to_array(std::move(passed));
   };
   def_process(type, process,
@@ -122,7 +119,8 @@ void def_labelled(const py::object& type, const NativeAlgorithm& calls, Label la
     const EventSpan span = as_span(events);
     std::vector<std::int32_t> ids(labels ? span.size() : 0);
     const Worker worker(calls.open, self);
-    unheld([&] { labels ? label(worker.get(), span, ids) : calls.process(worker.get(), span); });
+    without_gil(
+        [&] { labels ? label(worker.get(), span, ids) : calls.process(worker.get(), span); });
     if (!labels) return std::nullopt;
     return moved_to_array(std::move(ids));
   };
@@ -137,7 +135,7 @@ void def_answering(const py::object& type, Open open, Answer answer, const py::d
     if (columns > 1) shape.push_back(static_cast<py::ssize_t>(columns));
     py::array values(dtype, shape);
     const Worker worker(open, self);
-    unheld([&] { answer(worker.get(), span, values.mutable_data()); });
+    without_gil([&] { answer(worker.get(), span, values.mutable_data()); });
     return values;
   };
   def_process(type, process, returns);

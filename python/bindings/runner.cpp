@@ -14,13 +14,11 @@
 #include "arrays.hpp"
 #include "asap/runner/replay.hpp"
 #include "asap/runner/simulator.hpp"
-#include "consumer.hpp"
+#include "callbacks.hpp"
 #include "core/check.hpp"
-#include "front_filter.hpp"
 #include "gil.hpp"
 #include "held.hpp"
 #include "keywords.hpp"
-#include "layers.hpp"
 #include "runner/read_ahead.hpp"
 #include "telemetry.hpp"
 
@@ -29,11 +27,7 @@ namespace {
 
 template <class Runner>
 py::object kept_arrays(const Runner& runner) {
-  std::optional<KeptEvents> reading;
-  {
-    const WithoutGil release;  // pure C++ on what the run has left behind
-    reading = runner.kept();
-  }
+  const std::optional<KeptEvents> reading = without_gil([&] { return runner.kept(); });
   if (!reading) return py::none();
   const auto size = static_cast<py::ssize_t>(reading->kept.size());
   py::array_t<bool> kept(size);
@@ -137,8 +131,6 @@ SimulatedCost cost_of(const py::object& cost) {
   };
 }
 
-constexpr Choices<Execution, 2> kExecutions{
-    {{"anytime", Execution::anytime}, {"whole", Execution::whole}}};
 constexpr Choices<WhenFull, 4> kWhenFull{{{"thin", WhenFull::thin},
                                           {"keep_oldest", WhenFull::keep_oldest},
                                           {"keep_newest", WhenFull::keep_newest},
@@ -297,11 +289,7 @@ void bind(py::module_& m) {
       .def("feed", &feed_unheld<Simulator>, py::arg("events").noconvert(),
            "Events in arrival order; runs as far as they allow.")
       .def(
-          "finish",
-          [](Simulator& self) {
-            const WithoutGil release;
-            self.finish();
-          },
+          "finish", [](Simulator& self) { without_gil([&] { self.finish(); }); },
           "No event follows: what waits is delivered.")
       .def_property_readonly(
           "slots", [](const Simulator& self) { return rows_of(self.slots()); },

@@ -1,5 +1,12 @@
 // The layer `schemes`: the schemes that a user chooses from, one row each: class, name, docstring.
-// The rest comes from kParameters of its configuration.
+// The keywords of the constructor, their defaults and .parameters come from kParameters of its
+// configuration.
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <string>
+#include <tuple>
+
 #include "arguments.hpp"
 #include "asap/schemes/asap2020.hpp"
 #include "asap/schemes/asap2022.hpp"
@@ -7,13 +14,65 @@
 #include "asap/schemes/deadline.hpp"
 #include "asap/schemes/fixed.hpp"
 #include "asap/schemes/greedy.hpp"
-#include "layers.hpp"
-#include "scheme_class.hpp"
+#include "asap/schemes/scheme.hpp"
+#include "held.hpp"
+#include "keywords.hpp"
+#include "per_event.hpp"
 
 namespace asap::python::schemes {
 namespace {
 
-namespace py = pybind11;
+// The values by name, as far as the scheme tells them.
+py::dict scheme_parameters(const Scheme& scheme) {
+  py::dict result;
+  for (const auto& [name, value] : scheme.parameters()) {
+    result[py::str(name)] = py::cast(value);
+  }
+  return result;
+}
+
+template <class S>
+void bind_cost(Class<S, Scheme>& bound) {
+  bound
+      .def_property_readonly(
+          "alpha_us", [](const S& scheme) { return scheme.alpha_ns() * 1e-3; },
+          "Fixed cost of a package at present, as measured, us.")
+      .def_property_readonly("beta_ns", &S::beta_ns,
+                             "Cost of an event at present, as measured, ns.");
+}
+
+template <class S>
+auto keywords_of_scheme() {
+  if constexpr (requires { S::Config::kParameters; }) {
+    return std::apply(
+        [](const auto&... fields) {
+          return Keywords<typename S::Config>(0, {keyword(fields.name, fields.field)...});
+        },
+        S::Config::kParameters);
+  } else {
+    struct None {};
+    return Keywords<None>(0, {});
+  }
+}
+
+template <class S>
+void bind_scheme(py::module_& m, const char* name, const char* doc) {
+  Class<S, Scheme> bound(m, name, documented(doc).c_str());
+  const auto keywords = keywords_of_scheme<S>();
+  bind_constructor(bound, keywords);
+  // A scheme leaves out what it has no value of.
+  const auto parameters = [keywords](const S& scheme) {
+    py::dict all;
+    for (const auto& row : keywords.rows) all[row.name.c_str()] = py::none();
+    all.attr("update")(scheme_parameters(scheme));
+    return all;
+  };
+  bound.def_property_readonly("parameters", parameters, "The constructor's arguments by name.")
+      .def("__reduce__", [](const py::object& self) {
+        return reduced(self, py::type::of<S>(), self.attr("parameters"));
+      });
+  if constexpr (requires(const S& scheme) { scheme.alpha_ns(); }) bind_cost(bound);
+}
 
 std::string repr(const py::object& scheme) {
   std::string text = py::cast<std::string>(py::type::of(scheme).attr("__name__")) + "(";
@@ -173,10 +232,7 @@ prefer : str
     In overload: "events", as many as possible; "continuity", short gaps, stretches of the scene
     without any; "balanced", between the two.
 
-Attributes
-----------
-alpha_us, beta_ns : float
-    Present cost of a package and of an event, as measured.
+$learned
 
 $refuses
 
@@ -210,10 +266,7 @@ overhead : float
 min_interval_ms : float
     Shortest time between the starts of two packages.
 
-Attributes
-----------
-alpha_us, beta_ns : float
-    Present cost of a package and of an event, as measured.
+$learned
 
 $refuses
 

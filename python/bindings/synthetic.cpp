@@ -10,19 +10,13 @@
 #include "gil.hpp"
 #include "held.hpp"
 #include "keywords.hpp"
-#include "layers.hpp"
 
 namespace asap::python::synthetic {
 namespace {
 
 py::array read_stream(EventStream& stream, const py::object& at_least) {
   const std::uint64_t count = whole_number("at_least", at_least);
-  std::vector<Event> events;
-  {
-    const WithoutGil release;  // pure C++: other Python threads may run
-    events = read_events(stream, count);
-  }
-  return moved_to_array(std::move(events));
+  return moved_to_array(without_gil([&] { return read_events(stream, count); }));
 }
 
 template <class Stream, class Config>

@@ -9,7 +9,6 @@
 #include "asap/telemetry/latency_histogram.hpp"
 #include "asap/telemetry/ledger.hpp"
 #include "held.hpp"
-#include "layers.hpp"
 
 namespace asap::python::telemetry {
 namespace {
@@ -44,6 +43,16 @@ py::dict dict_of(const Ledger& ledger) {
   counts["delivered"] = ledger.delivered;
   counts["pending"] = ledger.pending;
   return counts;
+}
+
+py::dict dict_of(const Rejections& by) {
+  py::dict reasons;
+  reasons["nonmonotonic"] = by.nonmonotonic;
+  reasons["out_of_bounds"] = by.out_of_bounds;
+  reasons["bad_polarity"] = by.bad_polarity;
+  reasons["bad_record"] = by.bad_record;
+  reasons["before_start"] = by.before_start;
+  return reasons;
 }
 
 py::array_t<PackageRow> rows_of(const RunLog& log, std::size_t since) {

@@ -1,4 +1,4 @@
-// Rows of a run's log as a NumPy array.
+// What a run has counted and logged, as dicts and NumPy arrays.
 #pragma once
 
 #include <pybind11/numpy.h>
@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <span>
 
+#include "asap/filter/validator.hpp"
 #include "asap/telemetry/ledger.hpp"
 #include "asap/telemetry/run_log.hpp"
 
@@ -24,6 +25,8 @@ struct SlotRow {
 
 // Where every event went, in events.
 py::dict dict_of(const Ledger& ledger);
+// Events rejected, by reason.
+py::dict dict_of(const Rejections& by);
 
 // A copy in PACKAGE_DTYPE, one row per package, of those that are kept from number `since` on.
 py::array_t<PackageRow> rows_of(const RunLog& log, std::size_t since = 0);

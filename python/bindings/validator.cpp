@@ -1,25 +1,18 @@
-#include "validator.hpp"
+// The layer `filter`: Validator.
+#include "asap/filter/validator.hpp"
 
-#include <string>
-
-#include "arguments.hpp"
 #include "arrays.hpp"
-#include "core/check.hpp"
 #include "filter/stray_stamps.hpp"
 #include "gil.hpp"
-#include "held.hpp"
-#include "layers.hpp"
+#include "keywords.hpp"
+#include "telemetry.hpp"
 
 namespace asap::python::validator {
 
 namespace {
 
-OnBad on_bad_from(const std::string& name) {
-  if (name == "drop") return OnBad::drop;
-  if (name == "clamp") return OnBad::clamp;
-  if (name == "raise") return OnBad::raise;
-  throw_bad_value("on_bad", "'" + name + "'", "use 'drop', 'clamp' or 'raise'");
-}
+constexpr Choices<OnBad, 3> kOnBad{
+    {{"drop", OnBad::drop}, {"clamp", OnBad::clamp}, {"raise", OnBad::raise}}};
 
 py::array array_of(Checked&& checked, const py::array& events) {
   if (checked.untouched) return events;
@@ -29,22 +22,13 @@ py::array array_of(Checked&& checked, const py::array& events) {
 // The array itself where all of it is good, else what is left of it.
 py::array check(Validator& validator, const py::array& events) {
   const EventSpan all = as_span(events);
-  Checked checked;
-  {
-    const WithoutGil release;  // pure C++ on memory that `events` keeps alive
-    checked = check_all(validator, all);
-  }
-  return array_of(std::move(checked), events);
+  return array_of(without_gil([&] { return check_all(validator, all); }), events);
 }
 
 // The same, and the number of events that were stray.
 py::tuple check_recorded(Validator& validator, const py::array& events) {
   const EventSpan all = as_span(events);
-  Checked checked;
-  {
-    const WithoutGil release;
-    checked = asap::check_recorded(validator, all);
-  }
+  Checked checked = without_gil([&] { return asap::check_recorded(validator, all); });
   const std::size_t stray = checked.stray;
   return py::make_tuple(array_of(std::move(checked), events), stray);
 }
@@ -59,32 +43,15 @@ py::dict repaired(const Validator& validator) {
 }
 
 }  // namespace
-}  // namespace asap::python::validator
-
-namespace asap::python {
-
-py::dict dict_of(const Rejections& by) {
-  py::dict reasons;
-  reasons["nonmonotonic"] = by.nonmonotonic;
-  reasons["out_of_bounds"] = by.out_of_bounds;
-  reasons["bad_polarity"] = by.bad_polarity;
-  reasons["bad_record"] = by.bad_record;
-  reasons["before_start"] = by.before_start;
-  return reasons;
-}
-
-}  // namespace asap::python
-
-namespace asap::python::validator {
 
 void bind(py::module_& m) {
   Class<Validator>(m, "Validator")
       .def(
-          py::init([](const py::object& width, const py::object& height, const std::string& on_bad,
+          py::init([](const py::object& width, const py::object& height, const py::object& on_bad,
                       const py::object& reorder_tolerance_us, const py::object& warmup_discard_us) {
             return Validator({.width = whole_number<int>("width", width),
                               .height = whole_number<int>("height", height),
-                              .on_bad = on_bad_from(on_bad),
+                              .on_bad = chosen(kOnBad, "on_bad", on_bad),
                               .reorder_tolerance = std::chrono::microseconds(
                                   whole_number<int>("reorder_tolerance_us", reorder_tolerance_us)),
                               .warmup_discard = std::chrono::microseconds(

@@ -13,8 +13,8 @@ void bind_clairvoyant(py::module_& m) {
       "clairvoyant_latency_us",
       [](const py::array& events, const Held<LinearCost>& cost) {
         const EventSpan span = as_span(events);
-        const WithoutGil release;  // pure C++: other Python threads may run
-        return static_cast<double>(clairvoyant_latency_ns(span, *cost)) * 1e-3;
+        const auto latency_ns = without_gil([&] { return clairvoyant_latency_ns(span, *cost); });
+        return static_cast<double>(latency_ns) * 1e-3;
       },
       py::arg("events").noconvert(), py::arg("cost"),
       "The smallest possible maximum latency without drops, us: notebooks/theory.md, section 9.");
@@ -22,8 +22,7 @@ void bind_clairvoyant(py::module_& m) {
       "exact_clairvoyant",
       [](const py::array& events, const Held<LinearCost>& cost, double latency_us) {
         const EventSpan span = as_span(events);
-        const WithoutGil release;  // pure C++: other Python threads may run
-        return exact_clairvoyant(span, *cost, latency_us);
+        return without_gil([&] { return exact_clairvoyant(span, *cost, latency_us); });
       },
       py::arg("events").noconvert(), py::arg("cost"), py::arg("latency_us"),
       "See asap_laboratory.exact_oracle.");

@@ -26,10 +26,7 @@ std::optional<py::array> process(JaerClusterTracker& tracker, const py::array& e
                                  bool labels) {
   const EventSpan span = as_span(events);
   std::vector<std::int32_t> ids(span.size());
-  {
-    const WithoutGil release;  // pure C++ on memory that `events` keeps alive
-    tracker.process(span, ids);
-  }
+  without_gil([&] { tracker.process(span, ids); });
   if (!labels) return std::nullopt;
   return moved_to_array(std::move(ids));
 }

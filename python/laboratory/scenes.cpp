@@ -40,11 +40,7 @@ py::tuple read_scene(MovingShapes& stream, const py::object& at_least) {
 // Of shape (steps + 1, shapes, 6): x, y, vx, vy and the direction of the shape's x axis.
 py::array track(const MovingShapesConfig& layout) {
   static_assert(sizeof(Pose) == 6 * sizeof(double));
-  std::vector<Pose> poses;
-  {
-    const WithoutGil release;  // pure C++
-    poses = poses_of(layout);
-  }
+  const std::vector<Pose> poses = without_gil([&] { return poses_of(layout); });
   const auto shapes = static_cast<py::ssize_t>(layout.shapes.size());
   const auto steps = static_cast<py::ssize_t>(layout.duration_us / MovingShapes::kStep_us + 1);
   py::array_t<double> values({steps, shapes, py::ssize_t{6}});

@@ -4,9 +4,8 @@
 #include "arrays.hpp"
 #include "gil.hpp"
 #include "keywords.hpp"
-#include "layers.hpp"
 
-namespace asap::python::filter {
+namespace asap::python::gamma_filter {
 namespace {
 
 constexpr const char* kGammaFilterDoc = R"(Keeps each event with probability gamma, reproducibly.
@@ -52,10 +51,7 @@ py::array apply(SeededFilter& filter, const py::object& events, double gamma) {
   const EventSpan span = as_span(events);
   const KeepThreshold threshold = KeepThreshold::checked(gamma);
   std::vector<Event> kept(span.size());
-  {
-    const WithoutGil release;  // pure C++: other Python threads may run
-    kept.resize(filter.apply(span, threshold, kept));
-  }
+  kept.resize(without_gil([&] { return filter.apply(span, threshold, kept); }));
   return moved_to_array(std::move(kept));
 }
 
@@ -64,10 +60,7 @@ py::array_t<bool> mask(SeededFilter& filter, const py::object& events, double ga
   const KeepThreshold threshold = KeepThreshold::checked(gamma);
   py::array_t<bool> kept(static_cast<py::ssize_t>(span.size()));
   auto* bytes = reinterpret_cast<std::uint8_t*>(kept.mutable_data());
-  {
-    const WithoutGil release;
-    filter.mask(span, threshold, {bytes, span.size()});
-  }
+  without_gil([&] { filter.mask(span, threshold, {bytes, span.size()}); });
   return kept;
 }
 
@@ -96,4 +89,4 @@ ValueError
       .def_property_readonly("position", &GammaFilter::position, "Events seen so far.");
 }
 
-}  // namespace asap::python::filter
+}  // namespace asap::python::gamma_filter
