@@ -14,7 +14,6 @@ from asap.experiment.runners import (
     EXECUTIONS,
     Progress,
     check_cost,
-    check_execution,
     make_config,
     remember,
 )
@@ -92,7 +91,6 @@ def compare(
     """
     check_cost(cost)
     _require_replayable(source)
-    check_execution(execution)
     _checks.callback("on_progress", on_progress)
     given = {} if schemes is None else labelled(schemes)
     bound_ms = _common_bound_ms(given.values(), latency_ms)
@@ -190,7 +188,6 @@ def oracle(
     True
     """
     check_cost(cost)
-    check_execution(execution)
     _checks.whole("seed", seed, 0, 2**64 - 1, "must be 0 to 2**64 - 1")
     bound_us = _core.checked_latency_ms(latency_ms) * 1e3
     stream = CheckedStream(

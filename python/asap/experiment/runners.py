@@ -119,7 +119,6 @@ def simulate(
     (1.0, 0)
     """
     check_cost(cost, callable_too=True)
-    check_execution(execution)
     _checks.callback("on_progress", on_progress)
     _checks.workers(algorithm=algorithm, before=before)
     scheme = as_scheme(scheme, latency_ms)
@@ -310,17 +309,11 @@ def as_scheme(scheme: Any, latency_ms: float | None) -> _core.Scheme:
     return scheme
 
 
-def check_execution(execution: Any) -> None:
-    """Refuse what is no way to take a package."""
-    _checks.choice("execution", execution, EXECUTIONS)
-
-
 def execution_of(algorithm: Any, execution: str | None) -> str:
     """Return how the algorithm takes a package: as asked, else by whose loop it is."""
-    if execution is None:
-        return "anytime" if _core.is_native(algorithm) else "whole"
-    check_execution(execution)
-    return execution
+    if execution is not None:
+        return execution
+    return "anytime" if _core.is_native(algorithm) else "whole"
 
 
 def check_cost(cost: Any, *, callable_too: bool = False) -> None:
@@ -417,10 +410,7 @@ def remember(
     """Make the Run of what there is, however the runner ended, and keep it for last_run()."""
     rejected = dict(runner.validator.rejected)
     counts = runner.ledger
-    for (
-        reason,
-        count,
-    ) in stream.rejected.items():  # the reader comes before the runner
+    for reason, count in stream.rejected.items():  # the reader comes before the runner
         rejected[reason] = rejected.get(reason, 0) + count
         counts["received"] += count
         counts["rejected"] += count
