@@ -17,17 +17,18 @@
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <type_traits>
 #include <utility>
 #include <variant>
 #include <vector>
 
-#include "arguments.hpp"
 #include "arrays.hpp"
 #include "asap/formats/decoder.hpp"
 #include "asap/formats/packets.hpp"
 #include "asap/formats/text.hpp"
 #include "formats/opener.hpp"
 #include "gil.hpp"
+#include "keywords.hpp"
 
 namespace asap::python::decoders {
 
@@ -71,34 +72,35 @@ py::tuple tuple_of(const Values& values) {
 
 // ---- a decoder ----
 
-template <class Decoder, class Use>
-auto with(Decoder& decoder, Use use) {
-  return use(decoder);
-}
-
-template <class... Decoders, class Use>
-auto with(const std::variant<Decoders...>& decoder, Use use) {
-  return std::visit(use, decoder);
-}
-
-template <class... Decoders, class Use>
-auto with(std::variant<Decoders...>& decoder, Use use) {
-  return std::visit(use, decoder);
-}
+template <class... OfFiles>
+auto and_of_packets(std::type_identity<std::variant<OfFiles...>>)
+    -> std::variant<OfFiles..., LibcaerDecoder, LibcaerCmpDecoder, MonoDecoder>;
+using AnyDecoder = decltype(and_of_packets(std::type_identity<RecordingDecoder>{}));
 
 template <class Decoder>
+AnyDecoder made() {
+  return Decoder();
+}
+
+// The encodings of packets in ROS messages.
+constexpr Choices<AnyDecoder (*)(), 4> kPackets{{{"evt3", &made<Evt3Decoder>},
+                                                 {"libcaer", &made<LibcaerDecoder>},
+                                                 {"libcaer_cmp", &made<LibcaerCmpDecoder>},
+                                                 {"mono", &made<MonoDecoder>}}};
+
 struct BoundDecoder {
-  Decoder decoder;
-  std::vector<Trigger> triggers;  // not yet taken
+  AnyDecoder decoder;
+  std::vector<Trigger> triggers = {};  // not yet taken
 
   Progress decode(std::span<const std::byte> bytes, std::span<Event> events) {
     std::array<Trigger, 256> seen;
     Progress all;
     for (;;) {
-      const Progress step = with(decoder, [&](auto& its) {
+      const auto use = [&](auto& its) {
         return its.decode(bytes.subspan(all.bytes), events.subspan(all.events),
                           std::span<Trigger>(seen));
-      });
+      };
+      const Progress step = std::visit(use, decoder);
       all.bytes += step.bytes;
       all.events += step.events;
       triggers.insert(triggers.end(), seen.begin(),
@@ -115,39 +117,49 @@ struct BoundDecoder {
   }
 
   py::array take_triggers() { return moved_to_array(std::exchange(triggers, {}), trigger_dtype()); }
+
+  // Of a packet, whose time counts from there; words of EVT3 state their own.
+  void begin(const py::object& time_base_ns) {
+    const std::uint64_t base_ns = whole_number("time_base_ns", time_base_ns);
+    const auto use = [&](auto& its) {
+      if constexpr (requires { its.begin(base_ns); }) its.begin(base_ns);
+    };
+    std::visit(use, decoder);
+  }
+
+  // After a packet that never came; words of EVT3 run on across packets.
+  void resume() {
+    const auto use = [](auto& its) {
+      if constexpr (requires { its.resume(); }) its.resume();
+    };
+    std::visit(use, decoder);
+  }
 };
 
-// The class without its constructor.
-template <class Decoder>
-py::class_<BoundDecoder<Decoder>> bind_methods(py::module_& m, const char* name) {
-  using Bound = BoundDecoder<Decoder>;
-  py::class_<Bound> bound(m, name);
-  const auto property = [&](const char* its_name, auto read) {
-    bound.def_property_readonly(its_name, [=](const Bound& b) { return with(b.decoder, read); });
+void bind_decoder(py::module_& m) {
+  py::class_<BoundDecoder> bound(m, "Decoder");
+  const auto property = [&](const char* name, auto read) {
+    bound.def_property_readonly(name,
+                                [=](const BoundDecoder& b) { return std::visit(read, b.decoder); });
   };
   property("unfinished", [](const auto& decoder) { return decoder.unfinished(); });
   property("bad_records", [](const auto& decoder) { return decoder.bad_records(); });
   property("noted", [](const auto& decoder) { return tuple_of(decoder.noted()); });
   property("triggers", [](const auto& decoder) { return decoder.triggers(); });
   property("before_start", [](const auto& decoder) { return decoder.before_start(); });
-  return bound.def("decode_into", &Bound::decode_into, py::arg("bytes"), py::arg("out"))
-      .def("take_triggers", &Bound::take_triggers);
-}
-
-template <class Decoder>
-py::class_<BoundDecoder<Decoder>> bind_new(py::module_& m, const char* name) {
-  return bind_methods<Decoder>(m, name).def(
-      py::init([] { return BoundDecoder<Decoder>{Decoder(), {}}; }));
-}
-
-template <class Decoder>
-void bind_packet_decoder(py::module_& m, const char* name) {
-  bind_new<Decoder>(m, name).def(
-      "begin",
-      [](BoundDecoder<Decoder>& bound, const py::object& time_base_ns) {
-        bound.decoder.begin(whole_number("time_base_ns", time_base_ns));
+  bound.def("decode_into", &BoundDecoder::decode_into, py::arg("bytes"), py::arg("out"))
+      .def("take_triggers", &BoundDecoder::take_triggers)
+      .def("begin", &BoundDecoder::begin, py::arg("time_base_ns"))
+      .def("resume", &BoundDecoder::resume);
+  m.def(
+      "packet_decoder",
+      [](const py::object& encoding) {
+        return BoundDecoder{chosen(kPackets, "encoding", encoding)()};
       },
-      py::arg("time_base_ns"));
+      py::arg("encoding"));
+  py::list encodings;
+  for (const auto& [name, make] : kPackets) encodings.append(name);
+  m.attr("PACKET_ENCODINGS") = py::tuple(encodings);
 }
 
 // ---- files ----
@@ -180,7 +192,6 @@ OpenedRecording opened(const py::object& path, const std::string& format, int wi
 py::object stated(int side) { return side > 0 ? py::object(py::int_(side)) : py::none(); }
 
 void bind_files(py::module_& m) {
-  bind_methods<RecordingDecoder>(m, "RecordingDecoder");
   py::class_<OpenedRecording>(m, "OpenedRecording")
       .def(py::init(&opened), py::arg("path"), py::arg("format"), py::kw_only(),
            py::arg("width") = 0, py::arg("height") = 0)
@@ -213,7 +224,8 @@ void bind_files(py::module_& m) {
       .def(
           "decoder",
           [](const OpenedRecording& r, std::uint64_t first_offset, std::size_t stream) {
-            return BoundDecoder<RecordingDecoder>{r.make(first_offset, stream), {}};
+            const auto any = [](auto&& its) -> AnyDecoder { return std::move(its); };
+            return BoundDecoder{std::visit(any, r.make(first_offset, stream))};
           },
           py::arg("first_offset"), py::arg("stream") = 0);
   m.def("data_end", &data_end, py::arg("path"));
@@ -290,14 +302,9 @@ std::size_t decode_dvs_into(const py::buffer& bytes, bool cdr, const py::object&
 
 void bind(py::module_& m) {
   m.attr("TRIGGER_DTYPE") = trigger_dtype();
+  bind_decoder(m);
   bind_files(m);
   bind_text(m);
-  bind_new<Evt3Decoder>(m, "Evt3Decoder").def("resume", [](BoundDecoder<Evt3Decoder>& bound) {
-    bound.decoder.resume();
-  });
-  bind_packet_decoder<MonoDecoder>(m, "MonoDecoder");
-  bind_packet_decoder<LibcaerDecoder>(m, "LibcaerDecoder");
-  bind_packet_decoder<LibcaerCmpDecoder>(m, "LibcaerCmpDecoder");
   m.def("decode_dvs_into", &decode_dvs_into, py::arg("bytes"), py::kw_only(), py::arg("cdr"),
         py::arg("first"), py::arg("out"));
 }

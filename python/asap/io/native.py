@@ -87,6 +87,6 @@ class NativeReader:
                 f"the last record is cut: {decoder.unfinished} bytes of it are there",
             )
 
-    def _count(self, decoder: _core.RecordingDecoder, losses: Losses) -> None:
+    def _count(self, decoder: _core.Decoder, losses: Losses) -> None:
         losses.take_bad_records(decoder, lambda _: f"no record of a file in {self.format}")
         losses.take_triggers(decoder)

@@ -40,12 +40,6 @@ from asap.io.errors import (
 from asap.io.reader import CHUNK, Losses, Options, choose_stream
 from asap.io.sniff import METADATA, first_bytes, parts_of, stated
 
-_DECODERS = {
-    "evt3": "Evt3Decoder",
-    "libcaer": "LibcaerDecoder",
-    "libcaer_cmp": "LibcaerCmpDecoder",
-    "mono": "MonoDecoder",
-}
 _MAX_PX = 0xFFFF
 
 
@@ -66,10 +60,10 @@ class RosReader:
         self._first = first = self._first_message(self._bag)
         self.width = first.width if first and 0 < first.width <= _MAX_PX else None
         self.height = first.height if first and 0 < first.height <= _MAX_PX else None
-        if first and self._read is read_packet and first.encoding not in _DECODERS:
+        if first and self._read is read_packet and first.encoding not in _core.PACKET_ENCODINGS:
             raise UnsupportedFormat(
                 f"{path}: {self._topic} is encoded in {first.encoding!r}; what is read: "
-                f"{', '.join(_DECODERS)}"
+                f"{', '.join(_core.PACKET_ENCODINGS)}"
             )
 
         for part, bag in getattr(self._bag, "bags", {}).items():
@@ -164,7 +158,7 @@ class _PacketDecoder:
 
     def __init__(self, encoding: str) -> None:
         self._encoding = encoding
-        self._decoder: Any = getattr(_core, _DECODERS[encoding])()
+        self._decoder = _core.packet_decoder(encoding)
         self._rest = memoryview(b"")
         self._sequence: int | None = None
         self.lost = 0  # messages that never arrived
@@ -174,12 +168,10 @@ class _PacketDecoder:
         last, self._sequence = self._sequence, message.sequence
         if last is not None and message.sequence not in (last, last + 1):
             self.lost += max(message.sequence - last - 1, 0)  # it goes back: the driver restarted
-            if self._encoding == "evt3":
-                self._decoder.resume()
+            self._decoder.resume()
         if message.encoding != self._encoding:
             raise BadMessage(f"its encoding is {message.encoding!r}, not {self._encoding!r}")
-        if self._encoding != "evt3":  # whose words state their own time, and run on
-            self._decoder.begin(message.time_base)
+        self._decoder.begin(message.time_base)
         self._rest = message.payload
 
     def decode_into(self, out: Events) -> int:
