@@ -7,15 +7,11 @@ ASAP_BENCH_EVENTS=10000000 pytest tests/bench/test_bags_bench.py --benchmark-onl
 """
 
 import os
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 import asap
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "python"))
 from ros_bags import ENCODERS, SUFFIXES, Types, write_bag
 
 COUNT = int(os.environ.get("ASAP_BENCH_EVENTS", "1000000"))

@@ -6,18 +6,13 @@ an array of their own; ours is there already, as a copy of the events is, which 
 allows.
 """
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 import asap
-from asap import _core
-
-sys.path.append(str(Path(__file__).parents[1] / "python"))
 import raw_files
 import record_files
+from asap import _core
 
 COUNT = 10_000_000
 PIECE = 1 << 18  # bytes; stays in the second-level cache
