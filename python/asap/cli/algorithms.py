@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 
 import asap
 from asap import _checks, _core
+from asap.cli.options import latency_ms
 from asap.cli.outcome import CHECK_FAILED, USAGE, Failure, near
 
 SCHEMES = {kind().name: kind for kind in _core.SCHEMES}
@@ -131,6 +132,19 @@ def workers_of(
         algorithm = tracks = asap.Tracks(algorithm, every_ms=every_ms)
     own = own_code(name.name) if name and name.is_own else nullcontext()
     return Workers(algorithm, before, tracks, own)
+
+
+def run_options(arguments: Any, scheme: asap.Scheme | None, workers: Workers) -> dict[str, Any]:
+    """Return what every run of the command line is told, in real or in virtual time."""
+    return {
+        "algorithm": workers.algorithm,
+        "before": workers.before,
+        "scheme": scheme,
+        "latency_ms": latency_ms(arguments),
+        "on_bad": arguments.on_bad,
+        "seed": arguments.seed,
+        "execution": arguments.execution,
+    }
 
 
 class Help(argparse.Action):

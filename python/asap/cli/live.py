@@ -10,10 +10,9 @@ from typing import Any
 
 import asap
 from asap import _progress, _units
-from asap.cli.algorithms import scheme_of, workers_of
+from asap.cli.algorithms import run_options, scheme_of, workers_of
 from asap.cli.options import (
     add_verb,
-    latency_ms,
     open_recording,
     refuse_to_overwrite,
     typed,
@@ -136,15 +135,9 @@ def run_live(arguments: Any) -> int:
             with workers.own:
                 asap.run(
                     camera,
-                    algorithm=workers.algorithm,
-                    before=workers.before,
-                    scheme=scheme,
-                    latency_ms=latency_ms(arguments),
-                    on_bad=arguments.on_bad,
-                    seed=arguments.seed,
-                    execution=arguments.execution,
                     duration_s=arguments.duration and arguments.duration / 1e6,
                     on_progress=show(camera),
+                    **run_options(arguments, scheme, workers),
                 )
     finally:
         if camera is not None:

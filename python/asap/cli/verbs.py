@@ -18,6 +18,7 @@ from asap.cli.algorithms import (
     SCHEMES,
     Help,
     chosen,
+    run_options,
     scheme_of,
     setting,
     workers_of,
@@ -196,16 +197,7 @@ def _run(arguments: Any) -> int:
         refuse_to_overwrite(arguments, recording.path)
         simulates = cost is not None and not (arguments.tracks or arguments.video)
         workers = workers_of(arguments, recording, default=None if simulates else "clusters")
-    options: dict[str, Any] = {
-        "algorithm": workers.algorithm,
-        "before": workers.before,
-        "scheme": scheme,
-        "latency_ms": latency_ms(arguments),
-        "on_bad": arguments.on_bad,
-        "seed": arguments.seed,
-        "execution": arguments.execution,
-        "speed": arguments.speed,
-    }
+    options = run_options(arguments, scheme, workers) | {"speed": arguments.speed}
     last, code = asap.last_run(), OK
     try:
         with reading(arguments), workers.own, _progress.on_terminal() as on_progress:
