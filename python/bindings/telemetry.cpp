@@ -33,26 +33,18 @@ LatencyHistogram restored(const HistogramState& state) {
 namespace asap::python {
 
 py::dict dict_of(const Ledger& ledger) {
-  py::dict counts;
-  counts["received"] = ledger.received;
-  counts["rejected"] = ledger.rejected;
-  counts["filtered"] = ledger.filtered;
-  counts["discarded"] = ledger.discarded;
-  counts["stale"] = ledger.stale;
-  counts["overflow"] = ledger.overflow;
-  counts["delivered"] = ledger.delivered;
-  counts["pending"] = ledger.pending;
-  return counts;
+  using namespace py::literals;
+  return py::dict("received"_a = ledger.received, "rejected"_a = ledger.rejected,
+                  "filtered"_a = ledger.filtered, "discarded"_a = ledger.discarded,
+                  "stale"_a = ledger.stale, "overflow"_a = ledger.overflow,
+                  "delivered"_a = ledger.delivered, "pending"_a = ledger.pending);
 }
 
 py::dict dict_of(const Rejections& by) {
-  py::dict reasons;
-  reasons["nonmonotonic"] = by.nonmonotonic;
-  reasons["out_of_bounds"] = by.out_of_bounds;
-  reasons["bad_polarity"] = by.bad_polarity;
-  reasons["bad_record"] = by.bad_record;
-  reasons["before_start"] = by.before_start;
-  return reasons;
+  using namespace py::literals;
+  return py::dict("nonmonotonic"_a = by.nonmonotonic, "out_of_bounds"_a = by.out_of_bounds,
+                  "bad_polarity"_a = by.bad_polarity, "bad_record"_a = by.bad_record,
+                  "before_start"_a = by.before_start);
 }
 
 py::array_t<PackageRow> rows_of(const RunLog& log, std::size_t since) {

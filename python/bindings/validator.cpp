@@ -34,12 +34,11 @@ py::tuple check_recorded(Validator& validator, const py::array& events) {
 }
 
 py::dict repaired(const Validator& validator) {
+  using namespace py::literals;
   const Repairs& by = validator.repaired();
-  py::dict kinds;
-  kinds["normalised_polarity"] = by.normalised_polarity;
-  kinds["lifted_stamps"] = by.lifted_stamps;
-  kinds["clamped_positions"] = by.clamped_positions;
-  return kinds;
+  return py::dict("normalised_polarity"_a = by.normalised_polarity,
+                  "lifted_stamps"_a = by.lifted_stamps,
+                  "clamped_positions"_a = by.clamped_positions);
 }
 
 }  // namespace
