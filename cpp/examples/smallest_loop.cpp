@@ -12,7 +12,7 @@
 int main() {
   using namespace std::chrono_literals;
   asap::ClusterTracker tracker{{.width = 346, .height = 260}};
-  // anytime: a package comes in parts, to end on the clock. A call costs the tracker nothing.
+  // anytime: a package comes in parts, to end on the clock.
   asap::Pipeline pipeline{{.latency = 10ms, .execution = asap::Execution::anytime},
                           [&](asap::EventSpan events) { tracker.process(events); }};
 
