@@ -198,26 +198,26 @@ def test_recorder_has_the_packages_of_the_run_with_their_times():
 
 
 def test_quick_form_is_measured_and_written(tmp_path, monkeypatch):
-    monkeypatch.setattr(ladder, "_QUICK", ("BAF", "EFast", "compat, 2 us"))
+    monkeypatch.setattr(ladder, "_QUICK", ("BAF", "EFast", "published, 2 us"))
     found = conduct(STUDIES["ladder"], tmp_path, form="quick", workers=1)
     rows = found.tables["ladder"]
     for clock in ("virtual", "real"):
-        for rung in ("BAF", "EFast", "compat, 2 us"):
+        for rung in ("BAF", "EFast", "published, 2 us"):
             some = only(rows, clock=clock, rung=rung)
             assert tuple(row["scheme"] for row in some) == LABELS
     virtual = {row["rung"]: row for row in only(rows, clock="virtual", scheme=OURS)}
-    baf, efast, compat = virtual.values()
-    assert baf["load"] < 1 < efast["load"] < compat["load"]
-    assert compat["alpha_us"] is None and baf["alpha_us"] > 0
+    baf, efast, published = virtual.values()
+    assert baf["load"] < 1 < efast["load"] < published["load"]
+    assert published["alpha_us"] is None and baf["alpha_us"] > 0
     for row in virtual.values():
         assert row["in_time"] == pytest.approx(row["possible"], rel=0.15) and row["overflow"] == 0
     assert baf["delivered"] is None  # no score
-    assert 0 < efast["in_use"] < efast["alone"] < 1 and compat["in_use"] < compat["alone"]
+    assert 0 < efast["in_use"] < efast["alone"] < 1 and published["in_use"] < published["alone"]
     text = found.paths[0].read_text()
     for words in (
         "`asap-study --ladder --quick`",
         "; 1 seed.",
-        "| compat, 2 us | MOTA | ",
+        "| published, 2 us | MOTA | ",
         ": size ",
     ):
         assert words in text

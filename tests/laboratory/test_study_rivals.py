@@ -43,10 +43,14 @@ class Corners(FakeScene):
 def test_accuracy_is_measured_tabled_and_drawn(monkeypatch, tmp_path):
     scene = Corners(SCENE.objects, end_us=120_001)
     monkeypatch.setattr(accuracy, "scene_of", lambda name, seed: scene)
-    monkeypatch.setitem(RUNGS, "fast", Rung(lambda width, height: perfect(scene)))
+    monkeypatch.setitem(RUNGS, "ClusterTracker", Rung(lambda width, height: perfect(scene)))
     cases = [
         AccuracyCase(rung, where, seed, (1.0, 0.5))
-        for rung, where in (("fast", "A"), ("BAF + fast", "A"), ("EFast", "corners_slow"))
+        for rung, where in (
+            ("ClusterTracker", "A"),
+            ("BAF + ClusterTracker", "A"),
+            ("EFast", "corners_slow"),
+        )
         for seed in (0, 1)
     ]
 
@@ -56,12 +60,12 @@ def test_accuracy_is_measured_tabled_and_drawn(monkeypatch, tmp_path):
     study = dataclasses.replace(STUDIES["accuracy"], batches=batches)
     found = conduct(study, tmp_path, workers=1)
     rows = found.tables["accuracy"]
-    assert [row["told"] for row in only(rows, algorithm="fast")] == [None, True, False]
-    assert {row["mota"] for row in only(rows, algorithm="fast")} == {1}
+    assert [row["told"] for row in only(rows, algorithm="ClusterTracker")] == [None, True, False]
+    assert {row["mota"] for row in only(rows, algorithm="ClusterTracker")} == {1}
     names = ["accuracy.md", "accuracy.csv", "accuracy_A.svg", "accuracy_corners_slow.svg"]
     assert [path.name for path in found.paths] == names
     text = found.paths[0].read_text()
-    assert "| fast | 0.5 | not told | 1.000±.000 |" in text and "2 seeds of scene" in text
+    assert "| ClusterTracker | 0.5 | not told | 1.000±.000 |" in text and "2 seeds of scene" in text
     assert text.index("## MOTA") < text.index("## precision") < text.index("## Cost")
     shown = study.shown(found.tables, Writer(study.cells))
     assert shown.startswith("MOTA\n\n") and "\nF\n\n" in shown
@@ -75,7 +79,7 @@ def test_the_rivals_are_those_that_their_labels_name():
     for label, rung in RIVALS.items():
         assert rung.before is (BAF if label.startswith("BAF + ") else None)
     assert isinstance(RIVALS["jAER-type core"].make(64, 48), _native.JaerClusterTracker)
-    for label, window, probes in (("BAF + compat steady", 2000, 0), ("compat", 800, 1)):
+    for label, window, probes in (("BAF + published, steady", 2000, 0), ("published", 800, 1)):
         found = RIVALS[label].make(64, 48)
         assert type(found) is _core.PublishedClusterTracker
         assert (found.parameters["window"], found.parameters["probes"]) == (window, probes)

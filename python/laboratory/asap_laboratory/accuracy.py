@@ -51,11 +51,11 @@ _STEADY = partial(
 )
 
 RUNGS = {
-    "fast": Rung(_core.ClusterTracker),
-    "BAF + fast": Rung(_core.ClusterTracker, _core.BackgroundActivityFilter),
-    "compat": Rung(_core.PublishedClusterTracker),
-    "compat steady": Rung(_STEADY),
-    "BAF + compat steady": Rung(_STEADY, _core.BackgroundActivityFilter),
+    "ClusterTracker": Rung(_core.ClusterTracker),
+    "BAF + ClusterTracker": Rung(_core.ClusterTracker, _core.BackgroundActivityFilter),
+    "published": Rung(_core.PublishedClusterTracker),
+    "published, steady": Rung(_STEADY),
+    "BAF + published, steady": Rung(_STEADY, _core.BackgroundActivityFilter),
     "EFast": Rung(_core.EFast, corners=True),
     "ArcStar": Rung(_core.ArcStar, corners=True),
     "EHarris": Rung(_core.EHarris, corners=True),

@@ -30,11 +30,11 @@ from asap_laboratory.study import Batch, Study
 
 __all__ = ["LADDER"]
 
-_QUICK = ("BAF", "EFast", "compat", "compat, 2 us")
+_QUICK = ("BAF", "EFast", "published", "published, 2 us")
 _SEEDS = {"quick": (0,), "default": (0, 1, 2), "full": (0, 1, 2, 3, 4)}
 _OTHER_BOUNDS_MS = (1.0, 2.0, 3.0, 5.0, 10.0, 20.0)
-_WITH_OTHER_BOUNDS = ("fast", "compat")
-_TOLD_OTHERWISE = ("fast", "fast, 300 ns")
+_WITH_OTHER_BOUNDS = ("ClusterTracker", "published")
+_TOLD_OTHERWISE = ("ClusterTracker", "ClusterTracker, 300 ns")
 _FIGURES = ("kept", "in_time", "p99_of_bound", "max_of_bound", "overflow", "stale")
 _ACCURACY = ("delivered", "in_use")
 

@@ -61,7 +61,7 @@ def figure(rows: Rows, *, width_inches: float = 4.6) -> Figure:
         _name_rungs(whole, rows)
         for axes in panels:
             _dress(axes)
-            axes.set_ylim(-0.8, 1.08)
+            axes.set_ylim(-1.35, 1.08)
             axes.set_yticks(np.linspace(0, 1, 6))
         handles, labels = whole.get_legend_handles_labels()
         order = [len(labels) - 1, *range(len(labels) - 1)]

@@ -51,15 +51,15 @@ RUNGS: dict[str, LadderRung] = {
     "FeatureTracker": LadderRung(_core.FeatureTracker),
     "SITS": LadderRung(_core.SpeedInvariantTimeSurface),
     "FAHarris": LadderRung(_core.FAHarris, "corners"),
-    "fast": LadderRung(_ours, "tracker"),
+    "ClusterTracker": LadderRung(_ours, "tracker"),
     "EFast": LadderRung(_core.EFast, "corners"),
-    "compat": LadderRung(_published, "tracker"),
+    "published": LadderRung(_published, "tracker"),
     "EHarris": LadderRung(_core.EHarris, "corners"),
     "PlaneFlow": LadderRung(_core.PlaneFlow),
     # A smaller computer; the rule without an index; the authors' class.
-    "fast, 300 ns": LadderRung(_ours, "tracker", (5.0, 300.0)),
-    "compat, 450 ns": LadderRung(_published, "tracker", (1.0, 450.0)),
-    "compat, 2 us": LadderRung(_published, "tracker", (1.0, 2000.0)),
+    "ClusterTracker, 300 ns": LadderRung(_ours, "tracker", (5.0, 300.0)),
+    "published, 450 ns": LadderRung(_published, "tracker", (1.0, 450.0)),
+    "published, 2 us": LadderRung(_published, "tracker", (1.0, 2000.0)),
 }
 """By label, about in the order of their cost."""
 

@@ -105,24 +105,26 @@ def _facts(tables: Tables) -> dict[str, Any]:
     seeds = rows[0]["seeds"]
     of = f"{_FIRST_SEED} to {_FIRST_SEED + seeds - 1}" if seeds > 1 else f"{_FIRST_SEED}"
     return {
-        "verdict": _verdict(rows),
+        "verdict": _verdict(rows, tables["recordings"]),
         "seeds": f"seed{'s' * (seeds > 1)} {of}",
         "head": {"tracker": "", **HEAD},
     }
 
 
-def _verdict(rows: Rows) -> str:
-    """Say, in a sentence, on which scenes a rival has the higher mean MOTA: the best there."""
+def _verdict(scenes: Rows, recordings: Rows) -> str:
+    """Say, in a sentence, where a rival has the higher MOTA (mean of the seeds): the best there."""
     lost = []
-    for scene in distinct(rows, "scene"):
-        here = only(rows, scene=scene)
-        best = max(here, key=lambda row: float(row["mota"]))
-        by = best["mota"] - only(here, tracker=OURS)[0]["mota"]
-        if by > 0:
-            lost.append(f"{best['tracker']} on {_scene(best)} (by {fixed(by, 2)})")
+    for rows, place in ((scenes, "scene"), (recordings, "set")):
+        for where in distinct(rows, place):
+            here = only(rows, **{place: where})
+            best = max(here, key=lambda row: float(row["mota"]))
+            by = best["mota"] - only(here, tracker=OURS)[0]["mota"]
+            if by > 0:
+                name = where.partition("_")[0] if place == "set" else where.replace("_", " ")
+                lost.append(f"{best['tracker']} on {name} (by {fixed(by, 2)})")
     if not lost:
-        return "No rival has a higher mean MOTA on any scene."
-    return f"Higher mean MOTA than `{OURS}`, the best on each scene: {', '.join(lost)}."
+        return "No rival has a higher MOTA anywhere."
+    return f"Higher MOTA than `{OURS}`, the best at each place: {', '.join(lost)}."
 
 
 def _scene(row: Row) -> str:

@@ -22,8 +22,8 @@ _MIN = -1.0  # MOTA: what is below stands at the edge
 _LOOKS: dict[str, tuple[str, str, bool]] = {  # colour, marker, filled
     "frames 10 ms": (plots.AMBER, "s", True),
     "frames 20 ms": (plots.VERMILION, "s", True),
-    "compat": (plots.PURPLE, "^", False),
-    "BAF + compat steady": (plots.PURPLE, "^", True),
+    "published": (plots.PURPLE, "^", False),
+    "BAF + published, steady": (plots.PURPLE, "^", True),
     "jAER-type core": (plots.GREEN, "v", False),
     "BAF + jAER-type core": (plots.GREEN, "v", True),
     OURS: (plots.BLUE, "o", True),  # last: on top

@@ -11,7 +11,7 @@ from asap_laboratory import _native
 from asap_laboratory.accuracy import RUNGS, Maker, Rung
 from asap_laboratory.scoring.trace import HasEvents
 
-OURS = "fast"
+OURS = "ClusterTracker"
 _REPETITIONS = 3
 _PACKAGE = 16_384  # events: large enough for the call not to count, small enough for the cache
 
@@ -30,8 +30,8 @@ RIVALS = {
     OURS: RUNGS[OURS],
     "frames 10 ms": Rung(_frames(10_000, neighbours=2)),
     "frames 20 ms": Rung(_frames(20_000, neighbours=3)),
-    "compat": RUNGS["compat"],
-    "BAF + compat steady": RUNGS["BAF + compat steady"],
+    "published": RUNGS["published"],
+    "BAF + published, steady": RUNGS["BAF + published, steady"],
     "jAER-type core": Rung(_native.JaerClusterTracker),
     "BAF + jAER-type core": Rung(_native.JaerClusterTracker, _BAF),
 }
