@@ -202,7 +202,7 @@ void expect_as_foreseen(std::int64_t ahead_us, const Ask& ask) {
     EXPECT_NEAR(foreseen[i].y, come[i].y, 0.5);
     EXPECT_EQ(foreseen[i].t_last, come[i].t_last);
     if constexpr (requires { come[i].width; }) {
-      EXPECT_NEAR(foreseen[i].width, come[i].width, 0.5);
+      EXPECT_NEAR(foreseen[i].width, come[i].width, 1);  // the tick lets the sides shrink
     }
   }
 }
@@ -589,16 +589,16 @@ std::uint64_t bits_on(const asap::MovingShapesConfig& scene) {
 }
 
 TEST(ClusterTracker, GivesTheSameBitsEverywhere) {
-  EXPECT_EQ(bits_on(asap::scenes::named('B', 1)), 1082429969488759227U);
-  EXPECT_EQ(bits_on(asap::scenes::named('C', 1)), 7523036838069086154U);
-  EXPECT_EQ(bits_on(asap::scenes::named('D', 1)), 12970737299706578000U);
-  EXPECT_EQ(bits_on(asap::scenes::named('F', 1)), 15391906148121262449U);
-  EXPECT_EQ(bits_on(asap::scenes::named('G', 1)), 11354394195406334826U);
+  EXPECT_EQ(bits_on(asap::scenes::named('B', 1)), 4524250575098218161U);
+  EXPECT_EQ(bits_on(asap::scenes::named('C', 1)), 12331446908773159570U);
+  EXPECT_EQ(bits_on(asap::scenes::named('D', 1)), 18336846545740990416U);
+  EXPECT_EQ(bits_on(asap::scenes::named('F', 1)), 13570082082358257110U);
+  EXPECT_EQ(bits_on(asap::scenes::named('G', 1)), 4880748656767225053U);
   constexpr std::array kKinds{asap::ShapeKind::kBar, asap::ShapeKind::kAngle};
-  EXPECT_EQ(bits_on(asap::scenes::large_shapes(kKinds, 1)), 14615704587268691426U);
-  EXPECT_EQ(bits_on(asap::scenes::hands(1)), 6207238296972390196U);
-  EXPECT_EQ(bits_on(asap::scenes::stop_and_go({})), 8541679850201553673U);
-  EXPECT_EQ(bits_on(asap::scenes::occlusion({})), 15424549486449226114U);
+  EXPECT_EQ(bits_on(asap::scenes::large_shapes(kKinds, 1)), 231646404956538846U);
+  EXPECT_EQ(bits_on(asap::scenes::hands(1)), 8245939228857186789U);
+  EXPECT_EQ(bits_on(asap::scenes::stop_and_go({})), 17336500705606876163U);
+  EXPECT_EQ(bits_on(asap::scenes::occlusion({})), 2516733160605630886U);
 }
 
 TEST(MakeTracker, WhereverMemoryEndsItHasTakenNothing) {

@@ -1,5 +1,6 @@
 #include "algorithms/fast/contour.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -18,6 +19,11 @@ DirectionTable::DirectionTable() : bins_{} {
           static_cast<std::uint8_t>(bin);
     }
   }
+}
+
+void Contour::push_sides(float dx, float dy, float growth) noexcept {
+  sides = united(sides, {std::max(dx, sides.left - growth), std::max(dy, sides.top - growth),
+                         std::min(dx, sides.right + growth), std::min(dy, sides.bottom + growth)});
 }
 
 }  // namespace asap::inline v0_1::fast

@@ -1,7 +1,7 @@
 // Contour: the outline of an object as a radius per direction, in 16 bins, and the variance of the
 // events about it. The edges of an object fire unevenly, so the plain mean of its events wobbles;
-// the radial residual, distance minus radius of that direction, does not. One thread. O(1), no
-// allocation.
+// the radial residual, distance minus radius of that direction, does not. The sides of its box are
+// pushed outwards by the outermost events. One thread. O(1), no allocation.
 // Source: own design.
 #pragma once
 
@@ -11,10 +11,31 @@
 #include <cstdint>
 
 #include "algorithms/fast/constants.hpp"
+#include "algorithms/fast/time.hpp"
 
 namespace asap::inline v0_1::fast {
 
 inline constexpr std::size_t kContourBins = 16;
+
+struct Box {
+  float left;  // px
+  float top;
+  float right;
+  float bottom;
+
+  float width() const noexcept { return right - left; }
+  float height() const noexcept { return bottom - top; }
+
+  Box moved(float dx, float dy) const noexcept {
+    return {left + dx, top + dy, right + dx, bottom + dy};
+  }
+};
+
+// The box around both.
+inline Box united(const Box& a, const Box& b) noexcept {
+  return {std::min(a.left, b.left), std::min(a.top, b.top), std::max(a.right, b.right),
+          std::max(a.bottom, b.bottom)};
+}
 
 struct alignas(64) Contour {
   static constexpr float kInitialVariance_px2 = 4;
@@ -22,6 +43,7 @@ struct alignas(64) Contour {
   static constexpr float kInitialCentreVariance = 0.05F;
 
   std::array<float, kContourBins> radius{};
+  Box sides{};  // from the mean
   std::array<std::uint8_t, kContourBins> count{};
   float variance = kInitialVariance_px2;  // px^2, of the residuals
   // px, mean of the displacements from the centre, those of OFF events negative.
@@ -40,6 +62,24 @@ struct alignas(64) Contour {
   }
 
   bool known(std::size_t bin) const noexcept { return count[bin] >= kKnownContourEvents; }
+
+  bool holds(float dx, float dy) const noexcept {
+    return dx >= sides.left && dx <= sides.right && dy >= sides.top && dy <= sides.bottom;
+  }
+
+  // Pushes the sides towards an event beyond them, by `growth` px at most. Rare, so not inline.
+  void push_sides(float dx, float dy, float growth) noexcept;
+
+  // Moves the sides inwards for so many events: one in a hundred or less lies beyond a side.
+  void shrink_sides(std::uint32_t events) noexcept {
+    constexpr float kPerEvent = 0.001F;
+    constexpr float kPast_px = 10;  // where they go, on the other side of the mean
+    const float share = 1 - decay(kPerEvent * static_cast<float>(events));
+    sides.left += share * (kPast_px - sides.left);
+    sides.top += share * (kPast_px - sides.top);
+    sides.right -= share * (kPast_px + sides.right);
+    sides.bottom -= share * (kPast_px + sides.bottom);
+  }
 
   void learn_polarity(bool on, float dx, float dy, float gain) noexcept {
     const auto sign = static_cast<float>(2 * on - 1);

@@ -249,6 +249,7 @@ void Engine::update_tracks() noexcept {
 bool Engine::update_track(Slot slot, const Tick& tick) noexcept {
   Track& track = tracks_[slot];
   TrackState& state = tracks_.state(slot);
+  if (track.partners == 0) tracks_.contour(slot).shrink_sides(track.events - state.events);
   const Assessment assessment = assess(track, state, tick, settings_.lifecycle);
   if (assessment == Assessment::kDelete || has_left(track, tick.now, frame_)) return false;
   if (assessment == Assessment::kConfirm) confirm(slot);

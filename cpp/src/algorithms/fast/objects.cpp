@@ -1,7 +1,6 @@
 #include "algorithms/fast/objects.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <span>
 #include <utility>
@@ -33,30 +32,12 @@ bool touch(const Track& a, const Track& b, Stamp now) noexcept {
   return distance <= kReach * (spread_along(a, ux, uy) + spread_along(b, ux, uy)) + kReach_px;
 }
 
-// Cosines of the directions of a contour; the last bits of std::cos depend on the library.
-constexpr std::array<float, kContourBins> kCosines{
-    1,  0.92387953F,  0.70710678F,  0.38268343F,  0, -0.38268343F, -0.70710678F, -0.92387953F,
-    -1, -0.92387953F, -0.70710678F, -0.38268343F, 0, 0.38268343F,  0.70710678F,  0.92387953F};
-
-// Around its outline, if half of that is known: in a filled disk the edge lies 1.4 standard
-// deviations beyond the mean radius. Else around 1.75 of its events': half a bar.
-Box box_of(const Track& track, const Contour& contour, const Point& mean) noexcept {
-  const float beyond = 1.4F * std::sqrt(contour.variance);
-  Box half{0, 0, 0, 0};
-  std::size_t known = 0;
-  for (std::size_t bin = 0; bin < kContourBins; ++bin) {
-    if (!contour.known(bin)) continue;
-    ++known;
-    const float radius = contour.radius[bin] + beyond;
-    const Point edge{radius * kCosines[bin], radius * kCosines[(bin + 12) % kContourBins]};
-    half = united(half, {edge.x, edge.y, edge.x, edge.y});
-  }
-  if (2 * known < kContourBins) {
-    const float x = 1.75F * std::sqrt(std::max(0.0F, track.sxx));
-    const float y = 1.75F * std::sqrt(std::max(0.0F, track.syy));
-    half = {-x, -y, x, y};
-  }
-  return {mean.x + half.left, mean.y + half.top, mean.x + half.right, mean.y + half.bottom};
+// The edges of pixels, and of a thing of which few events lie beyond the sides.
+Box box_of(const Contour& contour, const Point& mean) noexcept {
+  constexpr float kBeyond_px = 1;
+  const Box box = contour.sides.moved(mean.x, mean.y);
+  return {box.left - kBeyond_px, box.top - kBeyond_px, box.right + kBeyond_px,
+          box.bottom + kBeyond_px};
 }
 
 }  // namespace
@@ -66,7 +47,7 @@ Box box_of(const Track& track, const Contour& contour, const Point& mean) noexce
 void ObjectSum::add(Tracks::Slot slot, const Track& track, const TrackState& state,
                     const Contour& contour, Stamp now) noexcept {
   const Point mean = predicted_mean(track, now);
-  const Box own = box_of(track, contour, mean);
+  const Box own = box_of(contour, mean);
   box = parts++ == 0 ? own : united(box, own);
   mass += state.mass;
   rate_hz += state.slow_rate_hz;

@@ -24,22 +24,6 @@
 
 namespace asap::inline v0_1::fast {
 
-struct Box {
-  float left;  // px
-  float top;
-  float right;
-  float bottom;
-
-  float width() const noexcept { return right - left; }
-  float height() const noexcept { return bottom - top; }
-};
-
-// The box around both.
-inline Box united(const Box& a, const Box& b) noexcept {
-  return {std::min(a.left, b.left), std::min(a.top, b.top), std::max(a.right, b.right),
-          std::max(a.bottom, b.bottom)};
-}
-
 // What the parts of an object add up to. Position and velocity are those of the heaviest part: the
 // centre of the box jumps with every part that comes or goes.
 struct ObjectSum {

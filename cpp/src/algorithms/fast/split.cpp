@@ -300,6 +300,7 @@ void restart_at_part(Tracks& tracks, Tracks::Slot slot, const Part& part, float 
   state.kalman.events = track.events;
   state.kalman.pxx += kPositionVariance_px2;
   tracks.contour(slot).forget_radius();
+  tracks.contour(slot).sides = {};
 }
 
 void begin_at_part(Tracks& tracks, Tracks::Slot parent, Tracks::Slot child, const Part& part,

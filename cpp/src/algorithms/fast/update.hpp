@@ -18,6 +18,9 @@ struct UpdateRule {
   std::uint32_t mean_events = 0;   // memory of the mean; less with gamma
   std::uint32_t contour_mask = 0;  // the contour learns events whose number has none of these bits
   float far_weight = 1;            // weight of events far from the outline
+
+  // px by which an event may push a side once there are others: noise must not carry it away.
+  float side_growth() const noexcept { return 0.5F + far_weight; }
 };
 
 // The weight of events far from the outline. If noise is rare, they belong to the object, whose
@@ -65,6 +68,7 @@ inline float event_weight(float residual, float mean_weight, float far) noexcept
 // Takes an event without contact.
 inline void update_mean(Track& track, Contour& contour, const Innovation& nu, Stamp now, bool on,
                         const UpdateRule& rule, const DirectionTable& directions) noexcept {
+  constexpr float kAnywhere_px = 1000;
   constexpr float kNear_px = 3;  // where the weight of an event is 1 and nothing is clipped
   const float share = 1 / (1 + static_cast<float>(track.events));
   const std::uint32_t n = ++track.events;
@@ -73,6 +77,9 @@ inline void update_mean(Track& track, Contour& contour, const Innovation& nu, St
   const float distance = length(nu.dx, nu.dy);
   const std::size_t bin = directions.bin(nu.dx, nu.dy, distance);
   contour.learn_polarity(on, nu.dx, nu.dy, gain);
+  if (!contour.holds(nu.dx, nu.dy)) [[unlikely]] {
+    contour.push_sides(nu.dx, nu.dy, n < kMeanEvents ? kAnywhere_px : rule.side_growth());
+  }
 
   const float residual = contour.residual(bin, distance);
   if ((n & rule.contour_mask) == 0) contour.learn(bin, distance);
