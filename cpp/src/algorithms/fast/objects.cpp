@@ -121,12 +121,14 @@ void Objects::list(const Tracks& tracks) noexcept {
 
 // An object that has lost its parts keeps the last sum.
 void Objects::add_up(const Tracks& tracks) noexcept {
+  constexpr std::uint64_t kGap_us = 15'000;
   const Stamp now = static_cast<Stamp>(now_us_);
   for (Object& object : objects_) object.sum.parts = 0;
   for (const Slot slot : listed_) {
     if (parts_[slot].object == kNone) continue;
     Object& object = objects_[parts_[slot].object];
     if (object.sum.parts == 0) object.sum = {};
+    if (now_us_ - object.seen_us > kGap_us) object.back_us = now_us_;
     object.sum.add(slot, tracks[slot], tracks.state(slot), tracks.contour(slot), now);
     object.seen_us = now_us_;
   }
@@ -140,15 +142,23 @@ void Objects::place_new(const Tracks& tracks) noexcept {
     const std::size_t object = lost != kNone ? lost : begin(id_of(std::span(&slot, 1), tracks));
     parts_[slot].object = object;
     objects_[object].sum.parts = 1;  // it is lost no longer
+    objects_[object].seen_us = now_us_;
     any = true;
   }
   if (any) add_up(tracks);
+}
+
+// Its own track finds it where it was lost. That may be its rear alone, while it has moved on.
+bool Objects::is_just_back(const Object& object) const noexcept {
+  constexpr std::uint64_t kBack_us = 60'000;
+  return object.back_us > 0 && now_us_ - object.back_us < kBack_us;
 }
 
 void Objects::note_ways(const Tracks& tracks) noexcept {
   for (Object& object : objects_) {
     const ObjectSum& sum = object.sum;
     if (object.id < 0 || sum.parts == 0 || tracks.state(sum.lead).starved_s > 0) continue;
+    if (is_just_back(object)) continue;
     const TrackState& state = tracks.state(sum.lead);
     object.way = {now_us_,
                   {sum.x, sum.y},
@@ -157,15 +167,15 @@ void Objects::note_ways(const Tracks& tracks) noexcept {
   }
 }
 
-// LOST: the object without parts that must have reappeared at this place: where it has moved on to,
-// behind another.
+// LOST: the object that must have reappeared at this place, where it has moved on to, behind
+// another: one without parts, or just back.
 std::size_t Objects::find_lost(const Point& place) const noexcept {
   constexpr float kTolerance_px = 12;
   constexpr float kPerTravel = 0.35F;  // the velocity is not exact
   std::size_t best = kNone;
   float least = 1;
   for (std::size_t i = 0; i < objects_.size(); ++i) {
-    if (objects_[i].id < 0 || objects_[i].sum.parts > 0) continue;
+    if (objects_[i].id < 0 || (objects_[i].sum.parts > 0 && !is_just_back(objects_[i]))) continue;
     const Way& way = objects_[i].way;
     const float unseen_s = seconds_between(way.at_us, now_us_);
     const float travel_x = way.velocity.x * unseen_s;

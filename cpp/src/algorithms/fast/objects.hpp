@@ -106,6 +106,7 @@ class Objects {
     std::uint64_t order = 0;  // number of its beginning
     std::uint64_t born_us = 0;
     std::uint64_t seen_us = 0;  // when it had parts last
+    std::uint64_t back_us = 0;  // when a lost one's own track had events again
     bool has_left = false;      // another object, whose part it was
     bool is_noise = true;
     float lone_hz = 0;  // noise in its gates that is more than elsewhere
@@ -116,6 +117,7 @@ class Objects {
 
   void list(const Tracks& tracks) noexcept;
   void add_up(const Tracks& tracks) noexcept;
+  bool is_just_back(const Object& object) const noexcept;
   void note_ways(const Tracks& tracks) noexcept;
   void place_new(const Tracks& tracks) noexcept;
   std::size_t find_lost(const Point& place) const noexcept;

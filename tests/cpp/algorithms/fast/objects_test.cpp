@@ -67,6 +67,26 @@ TEST(Objects, EveryTrackIsAnObject) {
   EXPECT_TRUE(layer.shows(a));
 }
 
+// Where it was lost its own track finds its rear again, before what fires at its front is a track.
+TEST(Objects, TheFrontOfWhatHasMovedOnIsAPartOfIt) {
+  const auto id_of_front = [](float starved_s) {
+    Layer layer;
+    const auto track = layer.add(50, 50);
+    layer.tracks[track].vx = layer.tracks.state(track).average_vx = 250;
+    layer.wait(5'000);
+    layer.tracks[track].vx = 0;
+    layer.tracks.state(track).starved_s = starved_s;
+    layer.wait(100'000);
+    layer.tracks.state(track).starved_s = 0;
+    layer.wait(20'000);
+    const auto front = layer.add(84, 50);
+    layer.wait(5'000);
+    return layer.id_of(front);
+  };
+  EXPECT_EQ(id_of_front(1), 0);
+  EXPECT_EQ(id_of_front(0), 1);  // the same beside one that was not hidden
+}
+
 // It moves 100 px/s: after 300 ms it is 30 px on.
 TEST(Objects, ALostObjectIsTheOneThatReappearsOnItsWay) {
   const auto id_after = [](std::uint64_t gap_us, float x) {
