@@ -171,6 +171,21 @@ def test_hot_pixels() -> None:
     assert found.hot_pixels["events"].tolist() == sorted(hot.values(), reverse=True)
 
 
+def test_a_busy_line_is_not_hot() -> None:
+    found = check(with_busy([(x, 100) for x in range(20)], 300))
+    assert outcome(found) == {}
+    assert len(found.hot_pixels) == 0
+
+
+def test_a_pixel_of_a_small_share_is_not_hot() -> None:
+    pixels = np.arange(400_000) % (346 * 260)
+    pixels[::2_500] = 12_345  # 160 events, where others have four
+    found = check(
+        asap.as_events((pixels * 0 + np.arange(400_000), pixels % 346, pixels // 346, pixels % 2))
+    )
+    assert len(found.hot_pixels) == 0
+
+
 # ---- all at once ----------------------------------------------------------------------------
 
 
