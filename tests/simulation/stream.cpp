@@ -88,7 +88,8 @@ void Stream::spoil(const Fault& fault, Event& event, Packet& packet) {
   }
   Draw details = fault.draw();
   if (!draw_.chance(details.octaves(1e-6, 1))) return;
-  const std::uint64_t kinds = details.bits() | (std::uint64_t{1} << details.below(9));
+  std::uint64_t kinds = details.bits();  // a draw for each statement: | has no order
+  kinds |= std::uint64_t{1} << details.below(9);
   const std::size_t kind = draw_.below(9);
   if ((kinds >> kind & 1U) == 0) return;
   constexpr std::array<std::int64_t, 6> kNoTimes{kLimit + 1,
