@@ -118,7 +118,7 @@ struct BoundDecoder {
 
   py::array take_triggers() { return moved_to_array(std::exchange(triggers, {}), trigger_dtype()); }
 
-  // Of a packet, whose time counts from there; words of EVT3 state their own.
+  // Begins a packet, whose times count from this one; words of EVT3 state their own time.
   void begin(const py::object& time_base_ns) {
     const std::uint64_t base_ns = whole_number("time_base_ns", time_base_ns);
     const auto use = [&](auto& its) {

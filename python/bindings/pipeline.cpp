@@ -88,8 +88,8 @@ bool is_at_work(const py::handle& thread) {
   return !ident.is_none() && std::ranges::count(workers(), Worker{ident.cast<unsigned long>()}) > 0;
 }
 
-// Whether the program waits for its end for this thread, and for nobody but consumers such as this
-// one, whom no one will ever stop. (The hook of atexit comes after that wait.)
+// Whether the program, at its end, waits for this thread and otherwise for consumers like it alone:
+// nothing will ever stop them. (The hook of atexit comes after that wait.)
 bool only_consumers_are_left() {
   PYBIND11_CONSTINIT static py::gil_safe_call_once_and_store<py::module_> storage;
   const py::module_& threading =

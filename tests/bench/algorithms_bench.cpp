@@ -75,7 +75,7 @@ void run_naive(benchmark::State& state, const Naive& fresh, const Events& events
   asap::bench::report_events(state, events.size());
 }
 
-// Adds up per pixel and copies the event: what nobody can leave out.
+// Adds up per pixel and copies the event: the least that images and mask have to do.
 class Count {
  public:
   void update(const asap::Event& event) {
