@@ -18,7 +18,6 @@ from asap_laboratory.page import (
     Rows,
     Tables,
     Writer,
-    distinct,
     fixed,
     only,
     over_seeds,
@@ -105,23 +104,30 @@ def _facts(tables: Tables) -> dict[str, Any]:
     seeds = rows[0]["seeds"]
     of = f"{_FIRST_SEED} to {_FIRST_SEED + seeds - 1}" if seeds > 1 else f"{_FIRST_SEED}"
     return {
-        "verdict": _verdict(rows, tables["recordings"]),
+        "verdict": _verdict(_by_place(tables)),
         "seeds": f"seed{'s' * (seeds > 1)} {of}",
         "head": {"tracker": "", **HEAD},
     }
 
 
-def _verdict(scenes: Rows, recordings: Rows) -> str:
+def _by_place(tables: Tables) -> dict[str, dict[str, Row]]:
+    """Put the rows together by the scene or recording, as it is shown, and the tracker."""
+    places: dict[str, dict[str, Row]] = {}
+    for row in tables["rivals"]:
+        places.setdefault(_scene(row), {})[row["tracker"]] = row
+    for row in tables["recordings"]:
+        places.setdefault(row["set"].partition("_")[0], {})[row["tracker"]] = row
+    return places
+
+
+def _verdict(places: Mapping[str, Mapping[str, Row]]) -> str:
     """Say, in a sentence, where a rival has the higher MOTA (mean of the seeds): the best there."""
     lost = []
-    for rows, place in ((scenes, "scene"), (recordings, "set")):
-        for where in distinct(rows, place):
-            here = only(rows, **{place: where})
-            best = max(here, key=lambda row: float(row["mota"]))
-            by = best["mota"] - only(here, tracker=OURS)[0]["mota"]
-            if by > 0:
-                name = where.partition("_")[0] if place == "set" else where.replace("_", " ")
-                lost.append(f"{best['tracker']} on {name} (by {fixed(by, 2)})")
+    for place, here in places.items():
+        best = max(here.values(), key=lambda row: float(row["mota"]))
+        by = best["mota"] - here[OURS]["mota"]
+        if by > 0:
+            lost.append(f"{best['tracker']} on {place} (by {fixed(by, 2)})")
     if not lost:
         return "No rival has a higher MOTA anywhere."
     return f"Higher MOTA than `{OURS}`, the best at each place: {', '.join(lost)}."
@@ -134,7 +140,7 @@ def _scene(row: Row) -> str:
 def _draw(tables: Tables) -> Mapping[str, Any]:
     from asap_laboratory.rivals import figures
 
-    return {"rivals": figures.draw(tables["rivals"], tables["recordings"])}
+    return {"rivals": figures.draw(_by_place(tables))}
 
 
 def _shown(tables: Tables, writer: Writer) -> str:

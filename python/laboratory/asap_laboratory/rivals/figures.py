@@ -5,11 +5,11 @@ Needs matplotlib: ``asap-events[report]``.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from asap import plots  # first: it says which extra is missing
-from asap_laboratory.page import Row, Rows
+from asap_laboratory.page import Row
 from asap_laboratory.rivals.trackers import OURS
 
 import matplotlib  # isort: skip
@@ -30,13 +30,8 @@ _LOOKS: dict[str, tuple[str, str, bool]] = {  # colour, marker, filled
 }
 
 
-def draw(scenes: Rows, recordings: Rows) -> plots.NotebookFigure:
+def draw(lines: Mapping[str, Mapping[str, Row]]) -> plots.NotebookFigure:
     """Draw one line for each scene and recording: MOTA left, ns per event right, a dot for each."""
-    lines: dict[str, dict[str, Row]] = {}
-    for row in scenes:
-        lines.setdefault(row["scene"].replace("_", " "), {})[row["tracker"]] = row
-    for row in recordings:
-        lines.setdefault(row["set"].partition("_")[0], {})[row["tracker"]] = row
     with matplotlib.rc_context({**plots.STYLE, "font.size": 10, "ytick.labelsize": 9}):
         room = ConstrainedLayoutEngine(w_pad=0.12, h_pad=0.1)
         size_inches = (4.4, 2.4 + 0.24 * len(lines))

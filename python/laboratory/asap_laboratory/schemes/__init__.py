@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Generator, Iterator, Mapping
 from pathlib import Path
 from statistics import fmean, stdev
@@ -22,7 +21,7 @@ from asap_laboratory.page import (
     short,
 )
 from asap_laboratory.profiles import FURTHER, LATENCY_MS
-from asap_laboratory.schemes.cases import FRESH, FRESH_SEEDS, NAMED, cases
+from asap_laboratory.schemes.cases import FRESH_SEEDS, NAMED, cases
 from asap_laboratory.schemes.contenders import HINDSIGHT, PRIORS
 from asap_laboratory.schemes.goals import goals
 from asap_laboratory.schemes.probes import probes
@@ -92,16 +91,21 @@ def _oracles(runs: Rows) -> Iterator[Row]:
         yield {**what, "contender": "OB(L)/input", "score": row["share"]}
 
 
-def _aggregates(cells: Rows) -> Iterator[Row]:
+def _together(rows: Rows) -> Iterator[tuple[Row, Rows]]:
+    """Yield what a contender has of a cost model's named or further profiles, and what it is."""
     groups: dict[tuple[Any, ...], Rows] = {}
-    for row in cells:
+    for row in rows:
         key = row["contender"], row["cost_model"], row["profile"] in FURTHER
         groups.setdefault(key, []).append(row)
-    for (contender, model, further), some in groups.items():
+    for key, some in groups.items():
+        yield dict(zip(("contender", "cost_model", "further"), key, strict=True)), some
+
+
+def _aggregates(cells: Rows) -> Iterator[Row]:
+    for what, some in _together(cells):
+        model = what["cost_model"]
         yield {
-            "contender": contender,
-            "cost_model": model,
-            "further": further,
+            **what,
             "mean": fmean(row["score"] for row in some),
             "least": min(row["score"] for row in some),
             "p99_of_bound": max(row["p99_ms"] / LATENCY_MS[model] for row in some),
@@ -111,24 +115,18 @@ def _aggregates(cells: Rows) -> Iterator[Row]:
 
 def _on_fresh_seeds(runs: Rows) -> Iterator[Row]:
     """Yield what a contender does with a cost model: its mean over the profiles, seed by seed."""
-    keys = itertools.product((False, True), FRESH, LATENCY_MS)
-    for further, contender, model in keys:
-        these = only(runs, contender=contender, cost_model=model)
-        some = [row for row in these if (row["profile"] in FURTHER) == further]
-        if not some:
-            continue
+    for what, some in _together(sorted(runs, key=_place)):
+        bound_ms = LATENCY_MS[what["cost_model"]]
         scores = [
             fmean(row["score"] for row in only(some, seed=seed)) for seed in distinct(some, "seed")
         ]
         yield {
-            "contender": contender,
-            "cost_model": model,
-            "further": further,
+            **what,
             "mean": fmean(scores),
             "sd": stdev(scores) if len(scores) > 1 else None,
             "least": min(row["score"] for row in some),
-            "p99_of_bound": max(row["p99_ms"] for row in some) / LATENCY_MS[model],
-            "max_of_bound": max(row["max_ms"] for row in some) / LATENCY_MS[model],
+            "p99_of_bound": max(row["p99_ms"] for row in some) / bound_ms,
+            "max_of_bound": max(row["max_ms"] for row in some) / bound_ms,
         }
 
 
@@ -195,6 +193,9 @@ SCHEMES = Study(
         "fresh": _judged("fresh", "fresh_holds"),
     },
     figures=_figures,
-    facts=lambda tables: {"models": tuple(LATENCY_MS)},
+    facts=lambda tables: {
+        "models": tuple(LATENCY_MS),
+        "fresh": f"{FRESH_SEEDS[0]} to {FRESH_SEEDS[-1]}",
+    },
     shown=_shown,
 )
