@@ -1,5 +1,7 @@
 #include "per_event.hpp"
 
+#include <pybind11/stl.h>
+
 #include <memory>
 #include <optional>
 #include <utility>
