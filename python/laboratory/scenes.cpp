@@ -37,21 +37,21 @@ py::tuple read_scene(MovingShapes& stream, const py::object& at_least) {
   return py::make_tuple(moved_to_array(std::move(events)), moved_to_array(std::move(labels)));
 }
 
-// Of shape (steps + 1, shapes, 6): x, y, vx, vy and the direction of the shape's x axis.
+// Of shape (steps + 1, objects, 7): x, y, vx, vy, the direction of the object's x axis, its scale.
 py::array track(const MovingShapesConfig& layout) {
-  static_assert(sizeof(Pose) == 6 * sizeof(double));
+  static_assert(sizeof(Pose) == 7 * sizeof(double));
   const std::vector<Pose> poses = without_gil([&] { return poses_of(layout); });
-  const auto shapes = static_cast<py::ssize_t>(layout.shapes.size());
+  const auto objects = static_cast<py::ssize_t>(objects_of(layout).size());
   const auto steps = static_cast<py::ssize_t>(layout.duration_us / MovingShapes::kStep_us + 1);
-  py::array_t<double> values({steps, shapes, py::ssize_t{6}});
+  py::array_t<double> values({steps, objects, py::ssize_t{7}});
   if (!poses.empty()) std::memcpy(values.mutable_data(), poses.data(), poses.size() * sizeof(Pose));
   return values;
 }
 
-// The corners of each shape in its own frame, as an array (corners, 2); none of a disk or a ring.
+// The corners of each object in its own frame, as an array (corners, 2); none of a disk or a ring.
 py::list corners(const MovingShapesConfig& layout) {
   py::list all;
-  for (const MovingShape& shape : layout.shapes) {
+  for (const MovingShape& shape : objects_of(layout)) {
     const RigidShape outline{shape.kind, shape.radius_px, shape.thickness_px};
     const auto size = static_cast<py::ssize_t>(outline.vertices().size());
     py::array_t<double> points({size, py::ssize_t{2}});
@@ -67,7 +67,7 @@ py::list corners(const MovingShapesConfig& layout) {
 
 std::vector<double> reaches_px(const MovingShapesConfig& layout) {
   std::vector<double> reaches;
-  for (const MovingShape& shape : layout.shapes) reaches.push_back(reach_px(shape));
+  for (const MovingShape& shape : objects_of(layout)) reaches.push_back(reach_px(shape));
   return reaches;
 }
 
@@ -107,6 +107,10 @@ MovingShapesConfig seeded(const py::object& seed) {
   return make(whole_number("seed", seed));
 }
 
+MovingShapesConfig lamps(bool are_objects, const py::object& seed) {
+  return scenes::lamps(whole_number("seed", seed), are_objects);
+}
+
 template <class Scene, MovingShapesConfig (*make)(const Scene&)>
 MovingShapesConfig scripted(std::int64_t gap_us, double speed_px_s, double radius_px,
                             double noise_hz, const py::object& seed) {
@@ -129,6 +133,10 @@ void bind_scenes(py::module_& m) {
       .def_static("large_disks", &seeded<scenes::large_disks>, py::kw_only(), py::arg("seed"))
       .def_static("hands", &seeded<scenes::hands>, py::kw_only(), py::arg("seed"))
       .def_static("moving_camera", &seeded<scenes::moving_camera>, py::kw_only(), py::arg("seed"))
+      .def_static("sparse", &seeded<scenes::sparse>, py::kw_only(), py::arg("seed"))
+      .def_static("approaching", &seeded<scenes::approaching>, py::kw_only(), py::arg("seed"))
+      .def_static("lamps", &lamps, py::kw_only(), py::arg("are_objects"), py::arg("seed"))
+      .def_static("fence", &seeded<scenes::fence>, py::kw_only(), py::arg("seed"))
       .def_static("stop_and_go", &scripted<scenes::StopAndGo, scenes::stop_and_go>, py::kw_only(),
                   py::arg("gap_us"), py::arg("speed_px_s"), py::arg("radius_px"),
                   py::arg("noise_hz"), py::arg("seed"))
@@ -138,9 +146,10 @@ void bind_scenes(py::module_& m) {
       .def_readonly("width", &MovingShapesConfig::width)
       .def_readonly("height", &MovingShapesConfig::height)
       .def_readonly("duration_us", &MovingShapesConfig::duration_us)
-      .def_property_readonly("reaches_px", &reaches_px, "How far each shape gets from its centre.")
-      .def("corners", &corners, "Of each shape, in its own frame: (n, 2), px.")
-      .def("track", &track, "(steps + 1, shapes, 6): x, y, vx, vy, axis x, axis y.");
+      .def_property_readonly("reaches_px", &reaches_px,
+                             "How far each object gets from its centre at the start.")
+      .def("corners", &corners, "Of each object, in its own frame: (n, 2), px.")
+      .def("track", &track, "(steps + 1, objects, 7): x, y, vx, vy, axis x, axis y, scale.");
 
   py::class_<MovingShapes>(m, "MovingShapesStream", "The events of a layout, read once.")
       .def(py::init<const MovingShapesConfig&>(), py::arg("layout"))

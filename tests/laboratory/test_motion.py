@@ -23,7 +23,7 @@ def test_objects_and_camera_motion_of_a_moving_camera() -> None:
     assert found.dtype.names == FIELDS and found.size
     assert np.all(found["independent"] == 1)
     away = np.hypot(found["x"] - truth["x"][:, None], found["y"] - truth["y"][:, None])
-    assert np.all(away.min(axis=0) < scene.match_radii_px.max())
+    assert np.all(away.min(axis=0) < scene.match_radii_px(500_000).max())
     ahead = segmenter.objects_at(510_000)
     passed_s = (510_000 - int(events["t"][-1])) * 1e-6
     assert np.allclose(ahead["x"] - found["x"], found["vx"] * passed_s)

@@ -104,7 +104,7 @@ def test_vertices_turn_with_their_objects(scene: Scene) -> None:
         corners["x"] - truth["x"][corners["id"]], corners["y"] - truth["y"][corners["id"]]
     )
     for number in (1, 2, 3):
-        assert reach[corners["id"] == number] == pytest.approx(scene.reaches_px[number])
+        assert reach[corners["id"] == number] == pytest.approx(scene.reaches_px(100_000)[number])
     square = corners[corners["id"] == 1]
     side = np.hypot(np.diff(square["x"]), np.diff(square["y"]))
     assert side == pytest.approx(side[0])
@@ -125,15 +125,15 @@ def test_large_shapes_of_one_kind(kind: Any, corners: int) -> None:
     scene = scenes.H(3, kind=kind)
     assert scene.name == f"H_{kind}"
     assert len(scene.vertices(0)) == 6 * corners
-    assert scene.reaches_px.min() >= 14
+    assert scene.reaches_px(0).min() >= 14
     assert pickle.loads(pickle.dumps(scene)).name == scene.name
 
 
 def test_a_cluster_may_be_farther_from_the_centre_of_a_large_object() -> None:
     large = scenes.I(1)
-    assert large.match_radii_px == pytest.approx(np.maximum(12, 0.7 * large.reaches_px))
-    assert large.match_radii_px.max() > 17
-    assert np.all(scenes.F(1).match_radii_px == 12)
+    assert large.match_radii_px(0) == pytest.approx(np.maximum(12, 0.7 * large.reaches_px(0)))
+    assert large.match_radii_px(0).max() > 17
+    assert np.all(scenes.F(1).match_radii_px(0) == 12)
 
 
 @pytest.mark.parametrize(("kind", "rate"), [("slow", 0.30e6), ("fast", 1.15e6), ("noisy", 1.3e6)])

@@ -1,6 +1,8 @@
 #include "study/scenes/large_scenes.hpp"
 
+#include <cmath>
 #include <string>
+#include <utility>
 
 #include "core/check.hpp"
 #include "study/scenes/draws.hpp"
@@ -74,6 +76,26 @@ MovingShape hand(Draws& draws) {
   return palm;
 }
 
+// A disk, a square, a rectangle or a triangle of this size.
+MovingShape sized_shape(std::uint64_t number, double size_px) {
+  const auto kind = static_cast<ShapeKind>(number % 4);
+  return {.kind = kind, .radius_px = 0.5 * size_px / RigidShape(kind, 1.0).reach_px()};
+}
+
+void add_small_movers(MovingShapesConfig& config, std::int32_t count, Draws& draws) {
+  for (std::int32_t i = 0; i < count; ++i) {
+    const MovingShape mover{.kind = i % 2 == 0 ? ShapeKind::kDisk : ShapeKind::kSquare,
+                            .radius_px = draws.from({5.0, 10.0})};
+    config.shapes.push_back(wanderer(mover, config, {80.0, 200.0}, i, draws));
+  }
+}
+
+MovingShape at_rest(MovingShape shape, PlanePoint place) {
+  shape.brightness = kBright;
+  shape.motion.path = Bounce{.start = place, .velocity{}, .low = place, .high = place};
+  return shape;
+}
+
 }  // namespace
 
 MovingShapesConfig large_shapes(std::span<const ShapeKind> kinds, std::uint64_t seed) {
@@ -122,6 +144,97 @@ MovingShapesConfig moving_camera(std::uint64_t seed) {
   config.ground = MovingGroundConfig{.shift_px_s = draws.velocity({20.0, 80.0}),
                                      .turn_rad_s = in_turn(count, draws.from({0.1, 0.4})),
                                      .zoom_per_s = draws.from({0.0, 0.3})};
+  return config;
+}
+
+MovingShapesConfig sparse(std::uint64_t seed) {
+  constexpr std::int32_t kCount = 3;
+  Draws draws{seed, kLargeLayout};
+  MovingShapesConfig config = view(346, 260, seed);
+  config.noise_hz = draws.from({0.1, 0.5});
+  for (std::int32_t i = 0; i < kCount; ++i) {
+    const double size_px = draws.from({40.0, 130.0});
+    const double ratio = draws.from({1.34, 1.43});
+    const double speed_px_s = draws.from({2800.0, 5600.0}) / size_px;
+    MovingShape mover = wanderer(sized_shape(seed + static_cast<std::uint64_t>(i), size_px), config,
+                                 {speed_px_s, speed_px_s}, i, draws);
+    mover.motion.spin_rad_s *= 0.2;
+    auto& path = std::get<Bounce>(mover.motion.path);  // in a third of its own at the start
+    path.start.x = path.low.x + draws.from({i / 3.0, (i + 1) / 3.0}) * (path.high.x - path.low.x);
+    mover.brightness = i % 2 == 0 ? MovingShapes::kGround / ratio : MovingShapes::kGround * ratio;
+    config.shapes.push_back(std::move(mover));
+  }
+  return config;
+}
+
+MovingShapesConfig approaching(std::uint64_t seed) {
+  constexpr double kNearest_px = 50.0;
+  constexpr double kFactor = 10.0;
+  Draws draws{seed, kLargeLayout};
+  MovingShapesConfig config = view(346, 260, seed);
+  const auto count = static_cast<std::int32_t>(2 + seed % 2);
+  add_small_movers(config, count, draws);
+  const MovingShape near{
+      .kind = draws.from({0.0, 1.0}) < 0.5 ? ShapeKind::kDisk : ShapeKind::kSquare,
+      .radius_px = kNearest_px};
+  MovingShape comer = wanderer(near, config, {20.0, 80.0}, count, draws);
+  comer.radius_px = kNearest_px / kFactor;
+  comer.motion.growth = {kFactor, static_cast<std::int64_t>(draws.from({1e6, 1.8e6}))};
+  config.shapes.push_back(std::move(comer));
+  return config;
+}
+
+MovingShapesConfig lamps(std::uint64_t seed, bool are_objects) {
+  constexpr std::int32_t kMovers = 4;
+  constexpr std::int64_t kPeriods_us[] = {20'000, 10'000, 1'000};
+  constexpr std::size_t kLamps = std::size(kPeriods_us);
+  constexpr std::size_t kPairs = 2;
+  Draws draws{seed, kLargeLayout};
+  MovingShapesConfig config = view(346, 260, seed);
+  add_small_movers(config, kMovers, draws);
+  double left_px = 0.0;
+  for (const std::int64_t period_us : kPeriods_us) {
+    constexpr double kColumn_px = 346.0 / kLamps;  // one each, so that they lie apart
+    MovingShape lamp{.kind = draws.from({0.0, 1.0}) < 0.5 ? ShapeKind::kDisk : ShapeKind::kSquare,
+                     .radius_px = draws.from({3.0, 8.0})};
+    lamp.flicker = {period_us,
+                    static_cast<std::int64_t>(draws.from({0.0, static_cast<double>(period_us)}))};
+    const PlanePoint place =
+        draws.in_box({left_px + 10.0, 10.0}, {left_px + kColumn_px - 10.0, 249.0});
+    config.shapes.push_back(at_rest(lamp, place));
+    left_px += kColumn_px;
+  }
+  for (std::size_t i = 0; i < kPairs; ++i) {
+    const PlanePoint place = draws.in_box({0.0, 0.0}, {345.0, 260.0});
+    MovingShape pair{.kind = ShapeKind::kRectangle, .radius_px = 1.0};  // 2 x 1 px
+    pair.flicker = {2'000, static_cast<std::int64_t>(draws.from({0.0, 2'000.0}))};
+    config.shapes.push_back(at_rest(pair, {std::floor(place.x) + 0.5, std::floor(place.y)}));
+  }
+  config.decoys = kPairs + (are_objects ? 0 : kLamps);
+  return config;
+}
+
+MovingShapesConfig fence(std::uint64_t seed) {
+  constexpr UnitVector kVertical{1.0, 0.0};
+  constexpr UnitVector kFalling{0.8, 0.6};
+  constexpr UnitVector kRising{0.8, -0.6};
+  Draws draws{seed, kLargeLayout};
+  MovingShapesConfig config = view(346, 260, seed);
+  const MovingShape ball{.radius_px = draws.from({15.0, 40.0})};
+  config.shapes.push_back(
+      wanderer(ball, config, {100.0, 250.0}, static_cast<std::int32_t>(seed % 2), draws));
+  FenceConfig wires{.pitch_px = draws.from({10.0, 20.0}), .wire_px = draws.from({3.0, 6.0})};
+  switch (seed % 3) {
+    case 0:
+      wires.across = {kVertical};
+      break;
+    case 1:
+      wires.across = {kFalling};
+      break;
+    default:
+      wires.across = {kFalling, kRising};
+  }
+  config.fence = std::move(wires);
   return config;
 }
 

@@ -20,13 +20,14 @@ Limb::Limb(const LimbConfig& config)
 Pose Limb::on(const Pose& shape) const noexcept {
   const UnitVector own = config_.direction.turned(0.5 * config_.swing_rad * config_.phase.y);
   const double half = 0.5 * config_.length_px;
-  const double x = config_.joint.x + half * own.x;
-  const double y = config_.joint.y + half * own.y;
+  const double x = shape.scale * (config_.joint.x + half * own.x);
+  const double y = shape.scale * (config_.joint.y + half * own.y);
   return {.position{shape.position.x + x * shape.axis.x - y * shape.axis.y,
                     shape.position.y + y * shape.axis.x + x * shape.axis.y},
           .velocity = shape.velocity,
           .axis{own.x * shape.axis.x - own.y * shape.axis.y,
-                own.y * shape.axis.x + own.x * shape.axis.y}};
+                own.y * shape.axis.x + own.x * shape.axis.y},
+          .scale = shape.scale};
 }
 
 void Limb::advance() noexcept {

@@ -60,9 +60,17 @@ const MovingShapesConfig& checked(const MovingShapesConfig& config) {
           "give a multiple of 250 us");
   require(config.shapes.size() <= kMaxShapes, "shapes", config.shapes.size(),
           "give 10000 shapes at most");
+  require(config.decoys <= config.shapes.size(), "decoys", config.decoys,
+          "give no more than there are shapes");
   for (const MovingShape& shape : config.shapes) {
     require(shape.brightness >= kLeastBrightness && shape.brightness <= 1.0, "brightness",
             shape.brightness, "give 0.02 to 1");
+    constexpr std::int64_t kLeast_us = 2 * MovingShapes::kStep_us;
+    const Flicker& flicker = shape.flicker;
+    require(flicker.period_us >= 0 && flicker.period_us % kLeast_us == 0, "flicker.period_us",
+            flicker.period_us, "give a multiple of 500 us");
+    require(flicker.begun_us >= 0 && flicker.begun_us <= flicker.period_us, "flicker.begun_us",
+            flicker.begun_us, "give 0 to the period");
   }
   return config;
 }
@@ -101,10 +109,21 @@ std::optional<MovingGround> ground_of(const MovingShapesConfig& config) {
                       CounterRandom(CounterRandom(config.seed)(4)));
 }
 
-std::vector<RigidMotion> motions_of(const MovingShapesConfig& config) {
+std::optional<Fence> fence_of(const MovingShapesConfig& config) {
+  if (!config.fence) return std::nullopt;
+  return Fence(*config.fence, config.width, config.height);
+}
+
+std::vector<RigidMotion> motions_of(std::span<const MovingShape> shapes) {
   std::vector<RigidMotion> motions;
-  for (const MovingShape& shape : config.shapes) motions.emplace_back(shape.motion);
+  for (const MovingShape& shape : shapes) motions.emplace_back(shape.motion);
   return motions;
+}
+
+double brightness_at(const MovingShape& shape, std::int64_t t_us) noexcept {
+  const auto [period_us, begun_us] = shape.flicker;
+  const bool is_lit = period_us == 0 || (t_us + begun_us) % period_us < period_us / 2;
+  return is_lit ? shape.brightness : MovingShapes::kGround;
 }
 
 double level_of(double brightness) noexcept {
@@ -120,20 +139,21 @@ std::size_t pixels_of(const MovingShapesConfig& config) noexcept {
 MovingShapes::MovingShapes(const MovingShapesConfig& config)
     : config_(checked(config)),
       shapes_(shapes_of(config)),
-      motions_(motions_of(config)),
+      motions_(motions_of(config.shapes)),
       limbs_(limbs_of(config)),
       textures_(textures_of(config)),
       ground_(ground_of(config)),
+      fence_(fence_of(config)),
       canvas_(config.width, config.height, kGround),
       noise_(config.width, config.height, config.noise_hz, CounterRandom(config.seed)(0)),
       pixels_(pixels_of(config)),
-      shown_(pixels_of(config), kGround),
+      shown_(pixels_of(config)),
       seen_block_(config.width, config.height, pixels_of(config)),
       noise_block_(config.width, config.height, kStep_us),
       events_(pixels_of(config) + kStep_us),
       labels_(events_.size()),
       poses_(config.shapes.size()) {
-  paint();
+  paint(0);
   make_pixels();
 }
 
@@ -141,7 +161,7 @@ EventSpan MovingShapes::next() noexcept {
   size_ = 0;
   while (elapsed_us_ < config_.duration_us) {
     advance();
-    paint();
+    paint(elapsed_us_ + kStep_us);
 
     seen_block_.open(config_.t0_us + elapsed_us_, kStep_us);
     noise_block_.open(config_.t0_us + elapsed_us_, kStep_us);
@@ -161,21 +181,15 @@ void MovingShapes::make_pixels() {
     const double spread = kContrastSpread * synthetic::near_normal(random, number);
     return std::max(kLeastContrast, kContrast * (1.0 + spread));
   };
-  const double ground = level_of(kGround);
-  for (std::size_t pixel = 0; pixel < pixels_.size(); ++pixel) {
-    const double on = threshold(2 * pixel);
-    const double off = threshold(2 * pixel + 1);
-    const double reference = ground + kContrast * (offsets.uniform(pixel) - 0.5);
-    pixels_[pixel] = ContrastPixel(on, off, ground, reference);
-  }
-  for (const std::uint32_t pixel : canvas_.touched()) {
+  for (std::uint32_t pixel = 0; pixel < pixels_.size(); ++pixel) {
+    const std::uint64_t number = pixel;
+    const double on = threshold(2 * number);
+    const double off = threshold(2 * number + 1);
     const double brightness = canvas_.brightness(pixel);
-    if (brightness == kGround) continue;
-    const double on = threshold(2 * pixel);
-    const double off = threshold(2 * pixel + 1);
-    const double level = level_of(brightness);
-    pixels_[pixel] = ContrastPixel(on, off, level, level);
-    shown_[pixel] = brightness;
+    shown_[pixel] = through_fence(pixel, brightness);
+    const double level = level_of(shown_[pixel]);
+    const double offset = brightness == kGround ? offsets.uniform(number) - 0.5 : 0.0;
+    pixels_[pixel] = ContrastPixel(on, off, level, level + kContrast * offset);
   }
 }
 
@@ -188,7 +202,7 @@ void MovingShapes::advance() noexcept {
   if (ground_) ground_->advance(kStep_us);
 }
 
-void MovingShapes::paint() noexcept {
+void MovingShapes::paint(std::int64_t t_us) noexcept {
   if (ground_) {
     canvas_.begin(*ground_);
   } else {
@@ -196,8 +210,9 @@ void MovingShapes::paint() noexcept {
   }
   for (std::size_t i = 0; i < shapes_.size(); ++i) {
     const Pose& pose = motions_[i].pose();
-    const double brightness = config_.shapes[i].brightness;
-    const auto object = static_cast<std::int32_t>(i);
+    const double brightness = brightness_at(config_.shapes[i], t_us);
+    const bool is_object = i + config_.decoys < shapes_.size();
+    const auto object = is_object ? static_cast<std::int32_t>(i) : ShapeCanvas::kNone;
     const Texture* texture = textures_[i] ? &*textures_[i] : nullptr;
     canvas_.paint(shapes_[i], pose, brightness, object, texture);
     for (const Limb& limb : limbs_[i]) {
@@ -206,10 +221,14 @@ void MovingShapes::paint() noexcept {
   }
 }
 
+double MovingShapes::through_fence(std::uint32_t pixel, double brightness) const noexcept {
+  return fence_ ? fence_->before(pixel, brightness) : brightness;
+}
+
 void MovingShapes::see() noexcept {
   const auto width = static_cast<std::uint32_t>(config_.width);
   for (const std::uint32_t pixel : canvas_.touched()) {
-    const double brightness = canvas_.brightness(pixel);
+    const double brightness = through_fence(pixel, canvas_.brightness(pixel));
     if (brightness == shown_[pixel]) continue;
     shown_[pixel] = brightness;
     const auto change = pixels_[pixel].move_to(level_of(brightness), elapsed_us_, kStep_us);
@@ -236,6 +255,10 @@ void MovingShapes::merge(EventSpan seen, EventSpan noise) noexcept {
   for (; next_noise != noise.end(); ++next_noise) add(*next_noise, kNoise);
 }
 
+std::span<const MovingShape> objects_of(const MovingShapesConfig& config) noexcept {
+  return {config.shapes.data(), config.shapes.size() - config.decoys};
+}
+
 double reach_px(const MovingShape& shape) {
   double reach = RigidShape(shape.kind, shape.radius_px, shape.thickness_px).reach_px();
   for (const LimbConfig& limb : shape.limbs) {
@@ -246,7 +269,7 @@ double reach_px(const MovingShape& shape) {
 }
 
 std::vector<Pose> poses_of(const MovingShapesConfig& config) {
-  std::vector<RigidMotion> motions = motions_of(checked(config));
+  std::vector<RigidMotion> motions = motions_of(objects_of(checked(config)));
   std::vector<Pose> poses;
   poses.reserve(motions.size() *
                 (static_cast<std::size_t>(config.duration_us / MovingShapes::kStep_us) + 1));

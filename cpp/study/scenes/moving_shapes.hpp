@@ -1,9 +1,10 @@
 // MovingShapes: events of shapes that move before an even ground, or before a textured one that
-// moves as before a moving camera, with exact truth: the object of every event, and where every
-// object is. What the ground causes is labelled as noise. Each pixel sees the log of its brightness
-// and has thresholds of its own (ContrastPixel); noise is added that knows nothing of the pixels.
-// Motion goes in steps of 250 us, one block each. Thread and allocation as EventStream; the cost
-// goes with the area of the shapes. Limits: python/laboratory/pages/scenes.md.
+// moves as before a moving camera, or behind a fence, with exact truth: the object of every event,
+// and where every object is. What the ground causes is labelled as noise. Each pixel sees the log
+// of its brightness and has thresholds of its own (ContrastPixel); noise is added that knows
+// nothing of the pixels. Motion goes in steps of 250 us, one block each. Thread and allocation as
+// EventStream; the cost goes with the area of the shapes. Limits:
+// python/laboratory/pages/scenes.md.
 #pragma once
 
 #include <cstddef>
@@ -13,6 +14,7 @@
 #include <vector>
 
 #include "asap/synthetic/streams.hpp"
+#include "study/scenes/fence.hpp"
 #include "study/scenes/limb.hpp"
 #include "study/scenes/rigid_motion.hpp"
 #include "study/scenes/rigid_shape.hpp"
@@ -51,6 +53,12 @@ class ContrastPixel {
   std::int64_t blind_until_us_ = INT64_MIN;
 };
 
+// A lamp: lit in the first half of each period, of the ground's brightness in the second.
+struct Flicker {
+  std::int64_t period_us = 0;  // a multiple of 500 us; 0: none
+  std::int64_t begun_us = 0;   // before the start of the stream
+};
+
 struct MovingShape {
   ShapeKind kind = ShapeKind::kDisk;
   double radius_px = 8.0;
@@ -59,9 +67,10 @@ struct MovingShape {
   double thickness_px = 0.0;  // of a bar, an angle or a ring
   bool textured = false;      // 0.4 to 1.6 of its brightness, up to 1
   std::vector<LimbConfig> limbs{};
+  Flicker flicker{};
 };
 
-// How far a shape gets from its centre, its limbs included.
+// How far a shape gets from its centre at the start, its limbs included.
 double reach_px(const MovingShape& shape);
 
 struct MovingShapesConfig {
@@ -72,8 +81,13 @@ struct MovingShapesConfig {
   double noise_hz = 0.5;  // background events per second and pixel
   std::uint64_t seed = 0;
   std::vector<MovingShape> shapes{};           // later ones hide earlier ones
+  std::size_t decoys = 0;                      // the last shapes: no objects, their events noise
   std::optional<MovingGroundConfig> ground{};  // none: even, at rest
+  std::optional<FenceConfig> fence{};
 };
+
+// The shapes that are objects.
+std::span<const MovingShape> objects_of(const MovingShapesConfig& config) noexcept;
 
 class MovingShapes final : public EventStream {
  public:
@@ -97,7 +111,8 @@ class MovingShapes final : public EventStream {
 
  private:
   void make_pixels();
-  void paint() noexcept;
+  void paint(std::int64_t t_us) noexcept;
+  double through_fence(std::uint32_t pixel, double brightness) const noexcept;
   void advance() noexcept;
   void see() noexcept;
   void merge(EventSpan seen, EventSpan noise) noexcept;
@@ -108,6 +123,7 @@ class MovingShapes final : public EventStream {
   std::vector<std::vector<Limb>> limbs_;
   std::vector<std::optional<Texture>> textures_;
   std::optional<MovingGround> ground_;
+  std::optional<Fence> fence_;
   ShapeCanvas canvas_;
   BackgroundNoise noise_;
   std::vector<ContrastPixel> pixels_;
@@ -121,7 +137,7 @@ class MovingShapes final : public EventStream {
   std::int64_t elapsed_us_ = 0;
 };
 
-// The poses of all shapes at 0, 250, 500 us ... up to and including the duration, step by step.
+// The poses of all objects at 0, 250, 500 us ... up to and including the duration, step by step.
 std::vector<Pose> poses_of(const MovingShapesConfig& config);
 
 }  // namespace asap

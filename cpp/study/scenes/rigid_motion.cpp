@@ -1,5 +1,6 @@
 #include "study/scenes/rigid_motion.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/check.hpp"
@@ -74,6 +75,10 @@ RigidMotion::RigidMotion(const RigidMotionConfig& config) : config_(config) {
           "give -100 to 100 rad/s");
   require(config.pause.from_us <= config.pause.to_us, "pause.to_us", config.pause.to_us,
           "end the pause after its start");
+  require(config.growth.factor >= 1.0 && config.growth.factor <= 100.0, "growth.factor",
+          config.growth.factor, "give 1 to 100");
+  require(config.growth.duration_us >= 1, "growth.duration_us", config.growth.duration_us,
+          "give 1 us or more");
   place();
 }
 
@@ -93,6 +98,10 @@ bool RigidMotion::pausing() const noexcept {
 void RigidMotion::place() noexcept {
   pose_ = std::visit([](const auto& path) { return pose_on(path); }, config_.path);
   pose_.axis = config_.axis;
+  const auto [factor, duration_us] = config_.growth;
+  const double share =
+      static_cast<double>(std::min(elapsed_us_, duration_us)) / static_cast<double>(duration_us);
+  pose_.scale = 1.0 / (1.0 - (1.0 - 1.0 / factor) * share);
   if (pausing()) pose_.velocity = {0.0, 0.0};
 }
 

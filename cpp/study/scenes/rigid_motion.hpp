@@ -1,7 +1,8 @@
 // RigidMotion: where a moving object is after each step: straight ahead with bounces off a box, or
-// round an orbit, turning at a constant rate, with one pause at will. The velocity is that of the
-// step that follows, so that it is the derivative of the position (but for the step of a bounce).
-// One thread, O(1) per step, no allocation; + - * / only (see event_stream.hpp).
+// round an orbit, turning at a constant rate, with one pause at will, and coming nearer. The
+// velocity is that of the step that follows, so that it is the derivative of the position (but for
+// the step of a bounce). One thread, O(1) per step, no allocation; + - * / only (see
+// event_stream.hpp).
 #pragma once
 
 #include <cstdint>
@@ -30,17 +31,25 @@ struct Pause {
   std::int64_t to_us = 0;  // equal: none
 };
 
+// Coming nearer at a constant speed: the size goes with 1 / distance, up to this factor.
+struct Growth {
+  double factor = 1.0;
+  std::int64_t duration_us = 1;
+};
+
 struct RigidMotionConfig {
   std::variant<Bounce, Orbit> path{};
   UnitVector axis{};        // direction of the shape's x axis at the start
   double spin_rad_s = 0.0;  // from x towards y
   Pause pause{};
+  Growth growth{};
 };
 
 struct Pose {
   PlanePoint position;    // px
   PlanePoint velocity{};  // px/s
   UnitVector axis;
+  double scale = 1.0;  // of the size at the start
 };
 
 class RigidMotion {

@@ -85,14 +85,14 @@ double RigidShape::distance_px(PlanePoint point) const noexcept {
   return inside ? -std::sqrt(nearest) : std::sqrt(nearest);
 }
 
-double RigidShape::coverage(PlanePoint point) const noexcept {
+double RigidShape::coverage(PlanePoint point, double scale) const noexcept {
   if (size_ > 0 && convex_) {
     // Inside this is the distance, outside a lower bound of it: cheap where it decides.
-    const double beyond_px = beyond_edges_px(point);
+    const double beyond_px = scale * beyond_edges_px(point);
     if (beyond_px >= 0.5) return 0.0;
     if (beyond_px <= 0.0) return std::min(0.5 - beyond_px, 1.0);
   }
-  return std::clamp(0.5 - distance_px(point), 0.0, 1.0);
+  return std::clamp(0.5 - scale * distance_px(point), 0.0, 1.0);
 }
 
 double RigidShape::beyond_edges_px(PlanePoint point) const noexcept {
@@ -178,10 +178,12 @@ void ShapeCanvas::begin(const MovingGround& ground) noexcept {
 void ShapeCanvas::paint(const RigidShape& shape, const Pose& pose, double brightness,
                         std::int32_t object, const Texture* texture) noexcept {
   // Half a pixel beyond the outline, and where the shape was in the picture before.
-  const double near_px = shape.reach_px() + 0.5 + 1.0;
+  const double reach_px = pose.scale * shape.reach_px();
+  const double inner_px = pose.scale * shape.inner_px();
+  const double near_px = reach_px + 0.5 + 1.0;
   const double near_square = near_px * near_px;
-  const double outside = square(shape.reach_px() + 0.5);
-  const double inside = texture != nullptr ? 0.0 : square(std::max(shape.inner_px() - 0.5, 0.0));
+  const double outside = square(reach_px + 0.5);
+  const double inside = texture != nullptr ? 0.0 : square(std::max(inner_px - 0.5, 0.0));
   const auto first = [&](double centre) {
     return std::max(static_cast<std::int32_t>(std::ceil(centre - near_px)), 0);
   };
@@ -209,9 +211,9 @@ void ShapeCanvas::paint(const RigidShape& shape, const Pose& pose, double bright
         owners_[pixel] = object;
         continue;
       }
-      const PlanePoint point{dx * pose.axis.x + dy * pose.axis.y,
-                             dy * pose.axis.x - dx * pose.axis.y};
-      const double covered = shape.coverage(point);
+      const PlanePoint point{(dx * pose.axis.x + dy * pose.axis.y) / pose.scale,
+                             (dy * pose.axis.x - dx * pose.axis.y) / pose.scale};
+      const double covered = shape.coverage(point, pose.scale);
       if (covered == 0.0) continue;
       const double own = texture != nullptr ? brightness * texture->at(point) : brightness;
       brightness_[pixel] = brightness_[pixel] * (1.0 - covered) + own * covered;

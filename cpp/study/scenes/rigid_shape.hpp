@@ -40,8 +40,9 @@ class RigidShape {
   // Signed distance from the outline, px; negative inside.
   double distance_px(PlanePoint point) const noexcept;
 
-  // Of the pixel at this point, 0 to 1: clamp(0.5 - distance).
-  double coverage(PlanePoint point) const noexcept;
+  // Of the pixel at this point where the shape is drawn `scale` times as large, 0 to 1:
+  // clamp(0.5 - distance).
+  double coverage(PlanePoint point, double scale) const noexcept;
 
   // The farthest that the outline gets from the centre.
   double reach_px() const noexcept { return reach_px_; }
@@ -90,7 +91,8 @@ class ShapeCanvas {
   // longer.
   void begin(const MovingGround& ground) noexcept;
 
-  // Between two pictures a shape may move by 1 px at most. `texture`: multiplies the brightness.
+  // Between two pictures a shape may move by 1 px at most, and not shrink. `texture`: multiplies
+  // the brightness. `object` may be kNone.
   void paint(const RigidShape& shape, const Pose& pose, double brightness, std::int32_t object,
              const Texture* texture = nullptr) noexcept;
 

@@ -1,6 +1,6 @@
 """Scenes with truth: shapes that move before a camera, and what every event belongs to.
 
-By these trackers are judged. `A` to `K` are named and fixed but for their seed; `timing`,
+By these trackers are judged. `A` to `O` are named and fixed but for their seed; `timing`,
 `corners`, `stop_and_go` and `occlusion` take parameters. The same arguments give the same events on
 every machine; they are made natively, when they are first touched. An argument out of its range is
 a ValueError that names it. `labelled` opens a real recording with boxes.
@@ -11,7 +11,8 @@ around 0.25, and is blind for 0.3 ms after an event; background noise is indepen
 
 Limits, to be stated wherever results are shown: motion is quantised at 0.25 ms; there is no lens
 and no bandwidth. In `A` to `G` edges are of one contrast, shapes small and rigid, and the ground is
-at rest; `H` to `K` have large, hollow, textured and waving objects and a moving ground.
+at rest; `H` to `K` have large, hollow, textured and waving objects and a moving ground, `L` to `O`
+what recordings show: sparse objects, one that comes near, lamps and hot pixels, a fence.
 """
 
 from __future__ import annotations
@@ -37,7 +38,11 @@ __all__ = [
     "I",
     "J",
     "K",
+    "L",
     "LabelledScene",
+    "M",
+    "N",
+    "O",
     "Scene",
     "corners",
     "labelled",
@@ -81,6 +86,18 @@ _MADE: dict[str, tuple[str, dict[str, Any], str]] = {  # kind of layout, its par
         *("moving_camera", {}),
         "2 or 3 movers of 10 to 40 px before a texture that turns, zooms and shifts, labelled -1.",
     ),
+    "L": (
+        *("sparse", {}),
+        "3 objects of 40 to 130 px and 2 to 10 kev/s; 346 x 260 px, 2 s, up to 0.5 Hz/px of noise.",
+    ),
+    "M": (
+        *("approaching", {}),
+        "One grows from 10 to 100 px in 1 to 1.8 s, 2 or 3 are small; 346 x 260 px, 2 s.",
+    ),
+    "O": (
+        *("fence", {}),
+        "A ball of radius 15 to 40 px behind wires, which cause no event; 346 x 260 px, 2 s.",
+    ),
 }
 
 
@@ -95,7 +112,7 @@ def _named(label: str) -> Callable[..., Scene]:
     return make
 
 
-A, B, C, D, E, F, G, I, J, K = map(_named, "ABCDEFGIJK")  # noqa: E741
+A, B, C, D, E, F, G, I, J, K, L, M, O = map(_named, "ABCDEFGIJKLMO")  # noqa: E741
 
 
 def H(seed: int = 0, *, kind: Literal["bars", "angles", "rings"] | None = None) -> Scene:
@@ -114,6 +131,23 @@ def H(seed: int = 0, *, kind: Literal["bars", "angles", "rings"] | None = None) 
     kinds = list(_LARGE) if kind is None else [kind]
     label = "H" if kind is None else f"H_{kind}"
     return Scene._of("large_shapes", label=label, kinds=kinds, seed=seed)
+
+
+def N(seed: int = 0, *, lamps: bool = True) -> Scene:
+    """4 small objects beside 3 lamps and 2 pairs of hot pixels; 346 x 260 px, 2 s.
+
+    Parameters
+    ----------
+    seed : int
+        0 <= seed < 2**64.
+    lamps : bool
+        Whether the lamps of 6 to 16 px, which flicker at 50, 100 and 1000 Hz, are the objects 4, 5
+        and 6; else they are noise, with the same events. The hot pixels, of 1000 events per second
+        each, are noise. 1 Hz/px of other noise, as in `H` to `K`, `M` and `O`.
+    """
+    _checks.flag("lamps", lamps)
+    label = "N" if lamps else "N_movers"
+    return Scene._of("lamps", label=label, are_objects=lamps, seed=seed)
 
 
 def timing(

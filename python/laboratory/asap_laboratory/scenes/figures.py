@@ -56,7 +56,7 @@ def _outlines(scene: Any, t_us: float) -> list[NDArray[np.float64]]:
     vertices = scene.vertices(t_us)
     angles = np.linspace(0.0, 2 * np.pi, 25)
     outlines = []
-    for thing, reach_px in zip(scene.truth(t_us), scene.reaches_px, strict=True):
+    for thing, reach_px in zip(scene.truth(t_us), scene.reaches_px(t_us), strict=True):
         own = vertices[vertices["id"] == thing["id"]]
         if own.size:
             outline = np.stack([np.append(own[v], own[v][0]) for v in "xy"], axis=1)

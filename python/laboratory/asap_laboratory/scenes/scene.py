@@ -27,7 +27,10 @@ Recipe = tuple[str, dict[str, Any]]  # a function of SceneLayout and its argumen
 _STEP_US = 250
 _MATCH_PX = 12.0
 _MATCH_SHARE = 0.7  # of the reach of an object, in scenes of large ones
-_LARGE = {"large_shapes", "large_disks", "hands", "moving_camera"}
+_LARGE = {
+    *("large_shapes", "large_disks", "hands", "moving_camera"),
+    *("sparse", "approaching", "lamps", "fence"),
+}
 _EVENTS_PER_ARRAY = 2**16
 
 
@@ -143,7 +146,7 @@ class Scene:
             id of the object, x, y in px, around each object in order.
         """
         poses = self._poses_at(t_us)[self._corner_ids]
-        along, across = self._corners.T
+        along, across = self._corners.T * poses[:, 6]
         axis_x, axis_y = poses[:, 4], poses[:, 5]
         vertices = np.empty(len(poses), CORNER_DTYPE)
         vertices["id"] = self._corner_ids
@@ -151,19 +154,19 @@ class Scene:
         vertices["y"] = poses[:, 1] + along * axis_y + across * axis_x
         return vertices
 
-    @property
-    def reaches_px(self) -> NDArray[np.float64]:
-        """How far each object gets from its centre, px: shape (objects,)."""
-        return np.array(self._layout.reaches_px, np.float64)
+    def reaches_px(self, t_us: float) -> NDArray[np.float64]:
+        """Return how far each object gets from its centre at a time, px: shape (objects,)."""
+        scales: NDArray[np.float64] = self._poses_at(t_us)[:, 6]
+        return scales * self._layout.reaches_px
 
-    @property
-    def match_radii_px(self) -> NDArray[np.float64]:
-        """How far from each centre a cluster may be to count as the object, px: shape (objects,).
+    def match_radii_px(self, t_us: float) -> NDArray[np.float64]:
+        """Return how far from each centre a cluster may be to count as the object, px.
 
-        12 px in `A` to `G`, in `H` to `K` at least that and 0.7 of the object's reach.
+        12 px in `A` to `G`, in `H` to `O` at least that and 0.7 of the object's reach at that time.
         """
         is_large = self._recipe is not None and self._recipe[0] in _LARGE
-        return np.maximum(_MATCH_PX, (_MATCH_SHARE if is_large else 0.0) * self.reaches_px)
+        share = _MATCH_SHARE if is_large else 0.0
+        return np.maximum(_MATCH_PX, share * self.reaches_px(t_us))
 
     def plot(self, t_ms: float | None = None, *, window_ms: float = 15.0) -> Figure:
         """Draw the events before a moment and the truth at it. Needs matplotlib.
@@ -186,7 +189,7 @@ class Scene:
     def __repr__(self) -> str:
         return (
             f"<{type(self).__name__}: {self.name}, seed {self.seed}, "
-            f"{self.width} x {self.height} px, {len(self.reaches_px)} objects, "
+            f"{self.width} x {self.height} px, {len(self._layout.reaches_px)} objects, "
             f"{self.duration_us * 1e-6:g} s>"
         )
 

@@ -28,7 +28,7 @@ class Scene(Protocol):
     Notes
     -----
     Where a cluster may be farther than 12 px from the centre of a large object, a scene has
-    ``match_radii_px``, px for each row of the truth. A scene for corner detectors has
+    ``match_radii_px(t_us)``, px for each row of the truth. A scene for corner detectors has
     ``vertices(t_us)`` too: structured array id, x, y, one row per corner of an object.
     """
 

@@ -216,7 +216,7 @@ def sample_at(scene: Scene, t_us: int, recent: NDArray[np.int64]) -> Sample:
         speeds=np.stack([truth["vx"], truth["vy"]], axis=-1).astype(np.float64),
         active=np.array([caused.get(one, 0) >= ACTIVE_EVENTS for one in objects.tolist()], bool),
         clusters=Snapshot(np.empty(0, np.int64), np.empty((0, 2))),
-        gates_px=getattr(scene, "match_radii_px", None),
+        gates_px=scene.match_radii_px(t_us) if hasattr(scene, "match_radii_px") else None,
     )
 
 
