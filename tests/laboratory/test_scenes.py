@@ -136,6 +136,91 @@ def test_a_cluster_may_be_farther_from_the_centre_of_a_large_object() -> None:
     assert np.all(scenes.F(1).match_radii_px(0) == 12)
 
 
+@pytest.mark.parametrize("make", [scenes.L, scenes.M, scenes.N, scenes.O])
+def test_scenes_of_recordings_vary_with_their_seed_and_pickle(make: Any) -> None:
+    scene, other = make(1), make(2)
+    again = pickle.loads(pickle.dumps(scene))
+    assert again.name == scene.name == make.__name__
+    assert same(next(again.blocks())[0], next(scene.blocks())[0])
+    assert not np.array_equal(scene.reaches_px(0)[:2], other.reaches_px(0)[:2])
+
+
+@pytest.mark.parametrize("seed", [0, 7, 1003])
+def test_large_sparse_objects_fire_2_to_10_kev_per_second(seed: int) -> None:
+    scene = scenes.L(seed)
+    counts = np.bincount(scene.labels + 1, minlength=4) / (scene.duration_us * 1e-6)
+    noise_hz = counts[0] / (scene.width * scene.height)
+    assert 0.1 < noise_hz < 0.5
+    assert np.all((counts[1:] > 2_000) & (counts[1:] < 10_000))
+    assert np.all((scene.reaches_px(0) > 20) & (scene.reaches_px(0) < 65))
+
+
+@pytest.mark.parametrize("seed", [1, 2])  # a disk, a square
+def test_what_comes_near_grows_from_10_to_100_px(seed: int) -> None:
+    scene = scenes.M(seed)
+    near = len(scene.truth(0)) - 1
+    times = np.arange(0, scene.duration_us, 50_000)
+    reach = np.array([scene.reaches_px(t)[near] for t in times])
+    assert np.all(np.diff(reach) >= 0)
+    assert reach[-1] == pytest.approx(10 * reach[0])
+    corners = [scene.vertices(t)[scene.vertices(t)["id"] == near] for t in times]
+    assert 2 * reach[0] == pytest.approx(10 if not corners[0].size else 10 * np.sqrt(2))
+    assert 1e6 <= times[np.argmax(reach == reach[-1])] <= 1.85e6
+    assert [scene.match_radii_px(t)[near] for t in times] == pytest.approx(
+        np.maximum(12, 0.7 * reach).tolist()
+    )
+    for t_us in (500_000, int(times[-1])):
+        where = scene.truth(t_us)[near]
+        own = corners[t_us // 50_000]
+        size = np.hypot(own["x"] - where["x"], own["y"] - where["y"])
+        assert size == pytest.approx(scene.reaches_px(t_us)[near])
+        now = (scene.labels == near) & (np.abs(scene.events["t"] - t_us) < 10_000)
+        away = np.hypot(scene.events["x"][now] - where["x"], scene.events["y"][now] - where["y"])
+        assert 0.6 < away.max() / scene.reaches_px(t_us)[near] < 1.2
+
+
+def test_lamps_flicker_at_50_100_and_1000_hz_and_are_objects_or_noise() -> None:
+    scene, without = scenes.N(3), scenes.N(3, lamps=False)
+    assert same(scene.events, without.events)
+    assert np.array_equal(without.labels, np.where(scene.labels < 4, scene.labels, -1))
+    assert scene.truth(0)["id"].tolist() == [*range(7)]
+    assert np.array_equal(without.truth(0), scene.truth(0)[:4])
+    assert np.all(scene.truth(0)[4:][["vx", "vy"]].tolist() == np.zeros((3, 2)))
+    for lamp, hz in ((4, 50), (5, 100), (6, 1000)):
+        assert 3 <= scene.reaches_px(0)[lamp] <= 8 * np.sqrt(2)
+        x, y = (round(scene.truth(0)[lamp][axis]) for axis in "xy")
+        at = (scene.events["x"] == x) & (scene.events["y"] == y) & (scene.labels == lamp)
+        events = scene.events[at]
+        assert abs(events.size - 2 * hz * 2) <= 2
+        assert np.count_nonzero(np.diff(events["p"].astype(int))) == events.size - 1
+        assert np.median(np.diff(events["t"])) == pytest.approx(5e5 / hz, abs=5)
+    with pytest.raises(TypeError, match=r"^lamps = "):
+        scenes.N(3, lamps="none")  # type: ignore[arg-type]
+
+
+def test_hot_pixels_lie_side_by_side_and_are_noise() -> None:
+    scene = scenes.N(3, lamps=False)
+    counts = np.zeros((scene.height, scene.width), int)
+    noise = scene.events[scene.labels < 0]
+    lamps = scenes.N(3).labels[scene.labels < 0] >= 4
+    np.add.at(counts, (noise["y"][~lamps], noise["x"][~lamps]), 1)
+    y, x = np.nonzero(counts > 1000)
+    assert sorted(counts[y, x]) == pytest.approx([2000] * 4, abs=20)
+    assert np.all(np.diff(x.reshape(-1, 2)) == 1) and np.all(np.diff(y.reshape(-1, 2)) == 0)
+
+
+def test_a_fence_hides_stripes_of_the_ball() -> None:
+    scene = scenes.O(3)  # vertical wires
+    columns = np.unique(scene.events["x"][scene.labels == 0])
+    gaps = np.diff(columns) - 1
+    wires = gaps[gaps > 0]
+    assert 5 <= wires.size <= 30
+    assert np.all((wires >= 2) & (wires <= 6))
+    begins = columns[:-1][gaps > 0]
+    assert np.all((np.diff(begins) >= 10) & (np.diff(begins) <= 20))
+    assert scene.truth(0).size == 1
+
+
 @pytest.mark.parametrize(("kind", "rate"), [("slow", 0.30e6), ("fast", 1.15e6), ("noisy", 1.3e6)])
 def test_corner_scenes_have_their_rates(kind: Any, rate: float) -> None:
     scene = scenes.corners(kind, duration_s=0.5)

@@ -30,14 +30,22 @@ TEST(LargeScenes, AreGolden) {
   EXPECT_EQ(first(scenes::large_disks(0)), 1649034215430005707U);
   EXPECT_EQ(first(scenes::hands(0)), 12567475284493778458U);
   EXPECT_EQ(first(scenes::moving_camera(0)), 5720696763383211887U);
+  EXPECT_EQ(first(scenes::sparse(0)), 3751869994132518339U);
+  EXPECT_EQ(first(scenes::approaching(0)), 15379482432465957178U);
+  EXPECT_EQ(first(scenes::lamps(0, true)), 14354574831319474447U);
+  EXPECT_EQ(first(scenes::fence(0)), 1325065766560489428U);
 }
 
-TEST(LargeScenes, AWavingFingerIsTheHands) {
+class AHand : public ::testing::TestWithParam<double> {};
+
+TEST_P(AHand, OwnsItsWavingFingersAtAnySize) {
+  const double size = GetParam();
   auto config = scenes::hands(3);
   config.noise_hz = 0.0;
   config.duration_us = 100'000;
   for (MovingShape& hand : config.shapes) {
     hand.motion.spin_rad_s = 0.0;
+    hand.motion.growth.factor = size;  // at once
     std::get<Bounce>(hand.motion.path).velocity = {0.0, 0.0};
   }
   MovingShapes stream{config};
@@ -48,12 +56,14 @@ TEST(LargeScenes, AWavingFingerIsTheHands) {
       const Pose& pose = stream.poses()[label];
       const double x = block[i].x - pose.position.x;
       const double y = block[i].y - pose.position.y;
-      ASSERT_LT(std::sqrt(x * x + y * y), reach_px(config.shapes[label]) + 1.0);
-      beyond_palm += std::sqrt(x * x + y * y) > 30.0;
+      ASSERT_LT(std::sqrt(x * x + y * y), size * reach_px(config.shapes[label]) + 1.0);
+      beyond_palm += block[i].t > 1000 && std::sqrt(x * x + y * y) > size * 30.0;
     }
   }
   EXPECT_GT(beyond_palm, 500U);
 }
+
+INSTANTIATE_TEST_SUITE_P(LargeScenes, AHand, ::testing::Values(1.0, 1.5));
 
 }  // namespace
 }  // namespace asap::large_scenes_test

@@ -4,7 +4,11 @@
 
 #include <array>
 #include <cmath>
+#include <map>
+#include <string>
+#include <utility>
 
+#include "support/errors.hpp"
 #include "synthetic/scene_checks.hpp"
 
 namespace asap::moving_shapes_test {
@@ -157,6 +161,118 @@ TEST(MovingShapes, PosesOfTheStreamAreThoseOfTheWholeScene) {
       ASSERT_EQ(stream.poses()[i].axis.x, whole[step * shapes + i].axis.x);
     }
   }
+}
+
+TEST(MovingShapes, EventsOfAShapeThatComesNearLieOnItsOutline) {
+  constexpr std::int64_t kGrowth_us = 800'000;
+  MovingShapesConfig config{.width = 120,
+                            .height = 90,
+                            .duration_us = 1'000'000,
+                            .noise_hz = 0.0,
+                            .shapes{MovingShape{}}};
+  MovingShape& disk = config.shapes[0];
+  disk = moving(ShapeKind::kDisk, 4.0, {60.0, 45.0}, {0.0, 0.0});
+  disk.motion.growth = {10.0, kGrowth_us};
+  const std::vector<Pose> poses = poses_of(config);
+  EXPECT_EQ(poses.front().scale, 1.0);
+  EXPECT_NEAR(poses[kGrowth_us / 250 / 2].scale, 1.0 / 0.55, 1e-12);  // half the way of .9
+  EXPECT_NEAR(poses.back().scale, 10.0, 1e-12);
+
+  MovingShapes stream{config};
+  std::size_t outside = 0;
+  std::int64_t last_us = 0;
+  for (EventSpan block = stream.next(); !block.empty(); block = stream.next()) {
+    for (const Event& event : block) {
+      const double radius_px = std::sqrt(std::pow(event.x - 60.0, 2) + std::pow(event.y - 45.0, 2));
+      ASSERT_NEAR(radius_px, 4.0 * stream.poses()[0].scale, 0.7);  // 0.11 px per step at the end
+      outside += radius_px > 35.0;
+      last_us = event.t;
+    }
+  }
+  EXPECT_GT(outside, 1000U);
+  EXPECT_LT(last_us, kGrowth_us);
+}
+
+// In each period a pixel that a lamp covers fires once when it is lit and once when it is not.
+TEST(MovingShapes, ALampFlickersWithItsPeriod) {
+  for (const std::int64_t period_us : {1'000, 10'000, 20'000}) {
+    MovingShapesConfig config{
+        .width = 40, .height = 40, .duration_us = 100'000, .noise_hz = 0.0, .shapes{MovingShape{}}};
+    config.shapes[0] = moving(ShapeKind::kSquare, 4.5, {20.0, 20.0}, {0.0, 0.0});
+    config.shapes[0].motion.spin_rad_s = 0.0;
+    config.shapes[0].brightness = 0.95;
+    config.shapes[0].flicker = {period_us, period_us / 4};
+    const auto [events, labels] = read_all(config);
+    EXPECT_EQ(labels, std::vector<std::int32_t>(events.size(), 0));
+    EXPECT_EQ(events.size(), 81U * 200'000U / static_cast<std::size_t>(period_us));
+    std::map<std::pair<std::uint16_t, std::uint16_t>, Event> last;
+    for (const Event& event : events) {
+      const auto [before, is_first] = last.try_emplace({event.x, event.y}, event);
+      if (!is_first) {
+        ASSERT_NE(event.p, before->second.p);
+        ASSERT_NEAR(static_cast<double>(event.t - before->second.t),
+                    static_cast<double>(period_us) / 2, 250.0);
+        before->second = event;
+      }
+    }
+  }
+}
+
+TEST(MovingShapes, DecoysHaveNoTruthAndNoiseAsLabel) {
+  auto config = apart(0.0);
+  const Truth all = read_all(config);
+  config.decoys = 2;
+  const Truth some = read_all(config);
+  EXPECT_EQ(some.events, all.events);
+  std::vector<std::int32_t> expected = all.labels;
+  for (std::int32_t& label : expected) label = label < 3 ? label : MovingShapes::kNoise;
+  EXPECT_EQ(some.labels, expected);
+  EXPECT_EQ(objects_of(config).size(), 3U);
+  EXPECT_EQ(poses_of(config).size(), 3U * (400'000 / 250 + 1));
+}
+
+TEST(MovingShapes, WiresHideWhatMovesBehindThemAndCauseNoEvent) {
+  for (const UnitVector across : {UnitVector{1.0, 0.0}, UnitVector{0.8, 0.6}}) {
+    MovingShapesConfig config{.width = 120, .height = 90, .duration_us = 300'000, .noise_hz = 0.0};
+    config.shapes = {moving(ShapeKind::kDisk, 10.0, {20.0, 45.0}, {200.0, 30.0})};
+    const auto hidden = [&](const Truth& truth) {
+      return std::ranges::count_if(truth.events, [&](const Event& event) {
+        const double wires = (event.x * across.x + event.y * across.y) / 10.0;
+        return std::abs(wires - std::round(wires)) * 10.0 < 1.499;  // 4 px wide, but for mixed ones
+      });
+    };
+    const Truth open = read_all(config);
+    config.fence = FenceConfig{.across{across}, .pitch_px = 10.0, .wire_px = 4.0};
+    const Truth fenced = read_all(config);
+    EXPECT_GT(hidden(open), 1000);
+    EXPECT_EQ(hidden(fenced), 0);
+    const double share =
+        static_cast<double>(fenced.events.size()) / static_cast<double>(open.events.size());
+    EXPECT_GT(share, 0.5);
+    EXPECT_LT(share, 0.7);
+    EXPECT_EQ(fenced.labels, std::vector<std::int32_t>(fenced.events.size(), 0));
+  }
+}
+
+TEST(MovingShapes, RefusesByName) {
+  const auto refused = [](auto&& spoil) {
+    auto config = apart(0.0);
+    spoil(config);
+    const std::string error = test::error_of([&] { MovingShapes{config}; });
+    return error.substr(0, error.find(' '));
+  };
+  EXPECT_EQ(refused([](auto& config) { config.decoys = 6; }), "decoys");
+  EXPECT_EQ(refused([](auto& config) { config.shapes[1].flicker.period_us = 750; }),
+            "flicker.period_us");
+  EXPECT_EQ(refused([](auto& config) { config.shapes[1].flicker.begun_us = 1; }),
+            "flicker.begun_us");
+  EXPECT_EQ(refused([](auto& config) { config.shapes[1].motion.growth.factor = 0.5; }),
+            "growth.factor");
+  EXPECT_EQ(refused([](auto& config) { config.shapes[1].motion.growth.duration_us = 0; }),
+            "growth.duration_us");
+  EXPECT_EQ(refused([](auto& config) { config.fence = FenceConfig{.wire_px = 16.0}; }), "wire_px");
+  EXPECT_EQ(refused([](auto& config) { config.fence = FenceConfig{.brightness = 0.0}; }),
+            "brightness");
 }
 
 }  // namespace
