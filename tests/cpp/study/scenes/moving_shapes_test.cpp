@@ -165,32 +165,33 @@ TEST(MovingShapes, PosesOfTheStreamAreThoseOfTheWholeScene) {
 
 TEST(MovingShapes, EventsOfAShapeThatComesNearLieOnItsOutline) {
   constexpr std::int64_t kGrowth_us = 800'000;
-  MovingShapesConfig config{.width = 120,
-                            .height = 90,
-                            .duration_us = 1'000'000,
-                            .noise_hz = 0.0,
-                            .shapes{MovingShape{}}};
-  MovingShape& disk = config.shapes[0];
-  disk = moving(ShapeKind::kDisk, 4.0, {60.0, 45.0}, {0.0, 0.0});
-  disk.motion.growth = {10.0, kGrowth_us};
-  const std::vector<Pose> poses = poses_of(config);
-  EXPECT_EQ(poses.front().scale, 1.0);
-  EXPECT_NEAR(poses[kGrowth_us / 250 / 2].scale, 1.0 / 0.55, 1e-12);  // half the way of .9
-  EXPECT_NEAR(poses.back().scale, 10.0, 1e-12);
+  for (const ShapeKind kind : {ShapeKind::kDisk, ShapeKind::kTriangle}) {
+    MovingShapesConfig config{
+        .width = 120, .height = 90, .duration_us = 1'000'000, .noise_hz = 0.0};
+    config.shapes = {moving(kind, 4.0, {60.0, 45.0}, {0.0, 0.0})};
+    config.shapes[0].motion.spin_rad_s = 0.0;
+    config.shapes[0].motion.growth = {10.0, kGrowth_us};
+    const std::vector<Pose> poses = poses_of(config);
+    EXPECT_EQ(poses.front().scale, 1.0);
+    EXPECT_NEAR(poses[kGrowth_us / 250 / 2].scale, 1.0 / 0.55, 1e-12);  // half the way of .9
+    EXPECT_NEAR(poses.back().scale, 10.0, 1e-12);
 
-  MovingShapes stream{config};
-  std::size_t outside = 0;
-  std::int64_t last_us = 0;
-  for (EventSpan block = stream.next(); !block.empty(); block = stream.next()) {
-    for (const Event& event : block) {
-      const double radius_px = std::sqrt(std::pow(event.x - 60.0, 2) + std::pow(event.y - 45.0, 2));
-      ASSERT_NEAR(radius_px, 4.0 * stream.poses()[0].scale, 0.7);  // 0.11 px per step at the end
-      outside += radius_px > 35.0;
-      last_us = event.t;
+    MovingShapes stream{config};
+    std::size_t late = 0;
+    std::int64_t last_us = 0;
+    for (EventSpan block = stream.next(); !block.empty(); block = stream.next()) {
+      const double scale = stream.poses()[0].scale;
+      for (const Event& event : block) {
+        const PlanePoint own{(event.x - 60.0) / scale, (event.y - 45.0) / scale};
+        const double away_px = scale * std::abs(stream.shapes()[0].distance_px(own));
+        ASSERT_LE(away_px, 0.7);  // 0.11 px per step at the end
+        late += scale > 8.0;
+        last_us = event.t;
+      }
     }
+    EXPECT_GT(late, 500U);
+    EXPECT_LT(last_us, kGrowth_us);
   }
-  EXPECT_GT(outside, 1000U);
-  EXPECT_LT(last_us, kGrowth_us);
 }
 
 // In each period a pixel that a lamp covers fires once when it is lit and once when it is not.
