@@ -19,6 +19,7 @@ def documented() -> list[tuple[Scene, float | None, float]]:
         (scenes.corners("slow"), None, 15.0),
         (scenes.stop_and_go(), 690.0, 15.0),
         (scenes.occlusion(), 600.0, 15.0),
+        *((make(), None, 15.0) for make in (scenes.L, scenes.M, scenes.N, scenes.O)),
     ]
 
 
