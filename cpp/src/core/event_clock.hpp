@@ -30,26 +30,22 @@ class EventClock {
 
   // True: the timestamp begins a new epoch.
   bool advance(std::int64_t t_us) noexcept {
-    const bool goes_back = t_us < latest_us_;
-    if (!goes_back) [[likely]] {
-      if (started_) now_us_ += std::min(distance_us(latest_us_, t_us), kLongestStep_us);
-    } else if (started_ && !begins_epoch(latest_us_, t_us)) {
+    if (started_ && t_us >= latest_us_) [[likely]] {
+      const std::uint64_t step_us = distance_us(latest_us_, t_us);
+      if (step_us > kLongestStep_us) origin_us_ -= step_us - kLongestStep_us;
+      step_to(t_us);
       return false;
     }
-    const bool new_epoch = goes_back && started_;
+    if (started_ && !begins_epoch(latest_us_, t_us)) return false;
+    const bool new_epoch = started_;
     started_ = true;
+    origin_us_ = now_us() - static_cast<std::uint64_t>(t_us);
     latest_us_ = t_us;
     return new_epoch;
   }
 
-  // Advances by less than `most_us` to a timestamp that does not go back. False: it does nothing.
-  bool advance_by_less(std::uint64_t most_us, std::int64_t t_us) noexcept {
-    const std::uint64_t step_us = distance_us(latest_us_, t_us);
-    if (step_us >= most_us) return false;
-    latest_us_ = t_us;
-    now_us_ += step_us;
-    return true;
-  }
+  // Precondition: the clock has started, and the timestamp is the latest one or a short step later.
+  void step_to(std::int64_t t_us) noexcept { latest_us_ = t_us; }
 
   // Advances without an event. A time of the past is ignored.
   void advance_to(std::int64_t t_us) noexcept {
@@ -57,8 +53,10 @@ class EventClock {
   }
 
   // us; only differences have a meaning.
-  std::uint64_t now_us() const noexcept { return now_us_; }
-  std::uint32_t now() const noexcept { return static_cast<std::uint32_t>(now_us_); }
+  std::uint64_t now_us() const noexcept {
+    return origin_us_ + static_cast<std::uint64_t>(latest_us_);
+  }
+  std::uint32_t now() const noexcept { return static_cast<std::uint32_t>(now_us()); }
   bool started() const noexcept { return started_; }
 
   // The latest stamp.
@@ -73,7 +71,7 @@ class EventClock {
  private:
   bool started_ = false;
   std::int64_t latest_us_ = 0;
-  std::uint64_t now_us_ = kOrigin_us;
+  std::uint64_t origin_us_ = kOrigin_us;  // the time of timestamp 0
 };
 
 }  // namespace asap::inline v0_1

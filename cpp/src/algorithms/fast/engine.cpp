@@ -69,6 +69,7 @@ void Engine::forget() noexcept {
   next_split_ = 0;
   noise_hz_ = 0;
   due_us_ = clock_.now_us();
+  due_stamp_us_ = std::numeric_limits<std::int64_t>::min();
 }
 
 void Engine::start() noexcept {
@@ -88,7 +89,7 @@ void Engine::advance(std::int64_t t_us) noexcept {
   const bool first = !clock_.started();
   clock_.advance(t_us);
   if (first) start();
-  if (clock_.now_us() >= due_us_) tick();
+  tick_if_due();
 }
 
 inline std::int32_t Engine::process(const Event& event) noexcept {
@@ -96,8 +97,11 @@ inline std::int32_t Engine::process(const Event& event) noexcept {
     ++counters_.rejected;
     return kNoId;
   }
-  if (!clock_.advance_by_less(due_us_ - clock_.now_us(), event.t)) [[unlikely]]
+  if (event.t < clock_.latest_us() || event.t >= due_stamp_us_) [[unlikely]] {
     advance(event.t);
+  } else {
+    clock_.step_to(event.t);
+  }
   const Stamp now = clock_.now();
   bool may_begin = true;
   if (settings_.uses_support && !support_.touch(event.x, event.y, now, support_window_us_)) {
@@ -212,7 +216,12 @@ Tracks::Slot Engine::begin_track(float x, float y) noexcept {
 void Engine::advance_to(std::int64_t t_us) noexcept {
   if (!clock_.started()) return;
   clock_.advance_to(t_us);
+  tick_if_due();
+}
+
+void Engine::tick_if_due() noexcept {
   if (clock_.now_us() >= due_us_) tick();
+  due_stamp_us_ = clock_.stamp_us(static_cast<std::int64_t>(clock_.now_us() - due_us_));
 }
 
 // Does half of the work, all of it after a missed tick, or begins anew after a long silence.

@@ -93,6 +93,7 @@ class Engine {
   // ---- per tick ----
   void forget() noexcept;
   void start() noexcept;
+  void tick_if_due() noexcept;
   void tick() noexcept;
   void update_tracks() noexcept;
   bool update_track(Slot slot, const Tick& tick) noexcept;
@@ -127,8 +128,9 @@ class Engine {
   std::size_t next_split_ = 0;
   DirectionTable directions_;
   Counters counters_;
-  std::uint64_t due_us_ = 0;    // the next tick
-  bool tracks_are_due_ = true;  // the next tick updates tracks, else noise and pairs
+  std::uint64_t due_us_ = 0;       // the next tick ...
+  std::int64_t due_stamp_us_ = 0;  // ... and the timestamp that makes it due
+  bool tracks_are_due_ = true;     // the next tick updates tracks, else noise and pairs
   std::uint64_t started_us_ = 0;
   bool has_confirmed_ = false;  // a track, since the objects were updated
   std::uint64_t objects_us_ = 0;
