@@ -199,8 +199,7 @@ $outline
                              R"(Structured array, one row per thing that moves, sorted by id.
 
 An object is a cluster, or several that are parts of one thing; noise that is denser in one place
-and a flicker of one polarity are clusters and no objects, a lamp that flickers in both is
-one. Grouped every 5 ms of event time.
+and a light that flickers are clusters and no objects. Grouped every 5 ms of event time.
 
 id : int64, never changes: that of the cluster that founded it, or one that no cluster has; an object that
     has stopped or is hidden is left out, and has its id again when it is back where it must be within half

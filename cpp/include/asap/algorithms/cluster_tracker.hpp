@@ -142,9 +142,8 @@ class ClusterTracker {
   // The objects at the latest time: one cluster or several that are parts of one thing, at the
   // position of the heaviest, with the box of all. Sorted by id, positions predicted for that time.
   // An object that has stopped or is occluded is not listed, but keeps its id for half a second. A
-  // patch of noise and a flicker of one polarity are clusters and no objects; a lamp that flickers
-  // in both is an object. An object has the id of the cluster that founded it, or one that no
-  // cluster has.
+  // patch of noise and a light that flickers are clusters and no objects. An object has the id of
+  // the cluster that founded it, or one that no cluster has.
   std::vector<TrackedObject> objects() const;
   void objects(std::vector<TrackedObject>& objects) const;
 

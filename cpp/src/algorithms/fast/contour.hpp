@@ -40,7 +40,6 @@ inline Box united(const Box& a, const Box& b) noexcept {
 struct alignas(64) Contour {
   static constexpr float kInitialVariance_px2 = 4;
   static constexpr float kVarianceMemory = 64;  // events
-  static constexpr float kInitialCentreVariance = 0.05F;
 
   std::array<float, kContourBins> radius{};
   Box sides{};  // from the mean
@@ -49,17 +48,14 @@ struct alignas(64) Contour {
   // px, mean of the displacements from the centre, those of OFF events negative.
   float dipole_x = 0;
   float dipole_y = 0;
-  float polarity = 0;  // mean, OFF = -1, ON = 1
-  // Variance of the centre's error, as a fraction of the covariance of the events.
-  float centre_variance = kInitialCentreVariance;
-  std::uint32_t mean_events = kMeanEvents;  // memory of the mean, by size ...
-  float least_gain = 1.0F / kMeanEvents;    // ... and the least weight of an event in it
-  float outline_weight = 0;                 // on the residual, against the track's mean_weight
+  float polarity = 0;          // mean, OFF = -1, ON = 1
+  float average_polarity = 0;  // of the samples of `polarity`, and of its square
+  float average_polarity2 = 0;
+  float least_gain = 1.0F / kMeanEvents;  // least weight of an event in the mean
+  float outline_weight = 0;               // on the residual, against the track's mean_weight
 
-  void set_memory(std::uint32_t events) noexcept {
-    mean_events = events;
-    least_gain = 1 / static_cast<float>(events);
-  }
+  // Sets the memory of the mean.
+  void set_memory(std::uint32_t events) noexcept { least_gain = 1 / static_cast<float>(events); }
 
   bool known(std::size_t bin) const noexcept { return count[bin] >= kKnownContourEvents; }
 
@@ -88,6 +84,20 @@ struct alignas(64) Contour {
     polarity += gain * (sign - polarity);
   }
 
+  // For every sixteenth event.
+  void sample_polarity() noexcept {
+    constexpr float kShare = 1.0F / 64;
+    average_polarity += kShare * (polarity - average_polarity);
+    average_polarity2 += kShare * (polarity * polarity - average_polarity2);
+  }
+
+  // Whether the events have one polarity for a while and then the other, as those of a lamp have,
+  // which is lit and goes out as a whole. The edges of a thing that moves fire at the same time.
+  bool flickers() const noexcept {
+    constexpr float kVariance = 0.4F;  // 0.3 to 0.5; 1 for a large lamp
+    return average_polarity2 - average_polarity * average_polarity > kVariance;
+  }
+
   static float clip(float residual) noexcept {
     return std::max(-kContourClip_px, std::min(residual, kContourClip_px));
   }
@@ -103,10 +113,7 @@ struct alignas(64) Contour {
     radius[bin] += outwards / static_cast<float>(count[bin]);
   }
 
-  void forget_radius() noexcept {
-    count.fill(0);
-    centre_variance = kInitialCentreVariance;
-  }
+  void forget_radius() noexcept { count.fill(0); }
 };
 
 // The direction bin of a displacement, by table: rounded to px and clamped to +-32.

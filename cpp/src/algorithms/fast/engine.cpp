@@ -269,11 +269,11 @@ bool Engine::update_track(Slot slot, const Tick& tick) noexcept {
   }
   if (state.starved_s == 0) record_motion(track, state, tick);
   Contour& contour = tracks_.contour(slot);
-  update_centre_variance(contour, track, state.extent_px, tick.dt_s);
-  kalman_update(
-      track, state.kalman, contour.variance,
-      std::min(mean_memory(track, contour, settings_.update), settings_.update.mean_events));
-  contour.set_memory(size_memory(track, settings_.update));
+  update_centre_variance(track, state, tick.dt_s);
+  const std::uint32_t memory = size_memory(track, settings_.update);
+  kalman_update(track, state.kalman, contour.variance,
+                track.partners > 0 ? settings_.update.mean_events : memory);
+  contour.set_memory(memory);
   track.mean_weight = mean_weight(track, contour);
   contour.outline_weight = 2 * (1 - track.mean_weight);
 

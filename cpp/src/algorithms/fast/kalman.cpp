@@ -94,21 +94,19 @@ void kalman_without_events(Track& track, KalmanState& state, Stamp now) noexcept
   state.stamp = now;
 }
 
-void update_centre_variance(Contour& contour, const Track& track, float extent_px,
-                            float dt_s) noexcept {
+void update_centre_variance(const Track& track, TrackState& state, float dt_s) noexcept {
   const bool in_contact = track.partners > 0;
   const float travel_extents =
-      length(track.vx, track.vy) * dt_s / std::max(kMinExtent_px, extent_px);
+      length(track.vx, track.vy) * dt_s / std::max(kMinExtent_px, state.extent_px);
   const float left = decay(in_contact ? dt_s / kContact_s : travel_extents / kTravel_extents);
   const float end = in_contact ? kContactCentreVariance : kMinCentreVariance;
-  contour.centre_variance = end + (contour.centre_variance - end) * left;
+  state.centre_variance = end + (state.centre_variance - end) * left;
 }
 
-PositionError position_error(const Track& track, const KalmanState& state, const Contour& contour,
-                             Stamp now) noexcept {
-  const float variance = position_variance(track, state, now);
-  return {variance + contour.centre_variance * track.sxx, contour.centre_variance * track.sxy,
-          variance + contour.centre_variance * track.syy};
+PositionError position_error(const Track& track, const TrackState& state, Stamp now) noexcept {
+  const float variance = position_variance(track, state.kalman, now);
+  return {variance + state.centre_variance * track.sxx, state.centre_variance * track.sxy,
+          variance + state.centre_variance * track.syy};
 }
 
 }  // namespace asap::inline v0_1::fast

@@ -31,8 +31,7 @@ void kalman_without_events(Track& track, KalmanState& state, Stamp now) noexcept
 inline constexpr float kMinCentreVariance = 0.002F;
 
 // Updates the variance after dt_s more with events.
-void update_centre_variance(Contour& contour, const Track& track, float extent_px,
-                            float dt_s) noexcept;
+void update_centre_variance(const Track& track, TrackState& state, float dt_s) noexcept;
 
 struct PositionError {
   float xx;  // px^2, covariance
@@ -40,7 +39,6 @@ struct PositionError {
   float yy;
 };
 
-PositionError position_error(const Track& track, const KalmanState& state, const Contour& contour,
-                             Stamp now) noexcept;
+PositionError position_error(const Track& track, const TrackState& state, Stamp now) noexcept;
 
 }  // namespace asap::inline v0_1::fast

@@ -432,7 +432,7 @@ bool Objects::keeps_bond(const Object& object) const noexcept {
 // ---- which object is noise ----
 
 // NOISE: events with support against those without in the same place, above the rate of noise
-// elsewhere. Noise and some flickers have one polarity, a moving object has two edges.
+// elsewhere. Noise has one polarity, a moving object has two edges. A lamp is no object.
 void Objects::judge(const Tracks& tracks, const NoiseTiles& noise) noexcept {
   constexpr float kMinRatio = 2;    // hidden below; shown from here on with both polarities ...
   constexpr float kSureRatio = 12;  // ... and from here on in any case
@@ -446,7 +446,8 @@ void Objects::judge(const Tracks& tracks, const NoiseTiles& noise) noexcept {
     if (object.id < 0 || object.sum.parts == 0) continue;
     const float ratio = object.sum.rate_hz / std::max(1e-3F, object.lone_hz);
     const bool is_sure = ratio >= kSureRatio;
-    if (ratio < kMinRatio && !has_edges_apart(tracks, object.sum.lead)) {
+    const bool is_weak = ratio < kMinRatio && !has_edges_apart(tracks, object.sum.lead);
+    if (is_weak || tracks.contour(object.sum.lead).flickers()) {
       object.is_noise = true;
     } else if (is_sure || has_both_edges(tracks, object.sum.lead)) {
       object.is_noise = false;

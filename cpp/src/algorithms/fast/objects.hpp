@@ -4,10 +4,10 @@
 // there, else it begins one. ADOPT: what begins at a large object is a part of it. LEAVE: parts
 // that stay apart from the others become an object of their own. JOIN: objects that touch and begin
 // together, or have one edge each, are one until the box around both changes.
-// NOISE: an object is shown once its tracks fire more than the noise around them explains. QUIET:
-// an object without events is not shown. The layer reads the engine and changes nothing in it. One
-// thread, at the tick. O(n^2) of cheap steps in n tracks; allocates in the constructor only.
-// Source: own design.
+// NOISE: an object is shown once its tracks fire more than the noise around them explains, unless
+// it flickers. QUIET: an object without events is not shown. The layer reads the engine and changes
+// nothing in it. One thread, at the tick. O(n^2) of cheap steps in n tracks; allocates in the
+// constructor only. Source: own design.
 #pragma once
 
 #include <algorithm>

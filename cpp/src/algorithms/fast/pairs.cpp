@@ -385,6 +385,7 @@ void merge(Tracks& tracks, Tracks::Slot survivor, Tracks::Slot other, Stamp now)
   state.fast_rate_hz += gone_state.fast_rate_hz;
   state.slow_rate_hz += gone_state.slow_rate_hz;
   tracks.contour(survivor).forget_radius();
+  state.centre_variance = kInitialCentreVariance;
   Box& sides = tracks.contour(survivor).sides;
   sides = united(sides, tracks.contour(other).sides.moved(dx, dy)).moved(-w * dx, -w * dy);
 }

@@ -83,9 +83,7 @@ void Engine::for_each_listed(const EventClock& clock, Chosen&& chosen, Visit&& v
 
 Cluster Engine::cluster_of(Slot slot, const Track& track, const TrackState& state,
                            const EventClock& clock) const noexcept {
-  const PositionError error =
-      position_error(track, state.kalman, tracks_.contour(slot), clock.now());
-  return report(track, state, error, clock);
+  return report(track, state, position_error(track, state, clock.now()), clock);
 }
 
 void Engine::read(std::int64_t t_us, std::vector<Cluster>& clusters) const {

@@ -300,6 +300,7 @@ void restart_at_part(Tracks& tracks, Tracks::Slot slot, const Part& part, float 
   state.kalman.events = track.events;
   state.kalman.pxx += kPositionVariance_px2;
   tracks.contour(slot).forget_radius();
+  state.centre_variance = kInitialCentreVariance;
   tracks.contour(slot).sides = {};
 }
 

@@ -21,6 +21,7 @@ namespace asap::inline v0_1::fast {
 inline constexpr std::size_t kMaxPartners = 3;
 inline constexpr std::size_t kMaxCandidates = 4;  // candidates of one track for a merge
 inline constexpr std::uint16_t kNoSlot = 0xffff;
+inline constexpr float kInitialCentreVariance = 0.05F;
 
 enum class Phase : std::uint8_t {
   kFree,
@@ -141,6 +142,8 @@ struct TrackState {
   float last_seen_y = 0;
   float average_vx = 0;  // px/s, of such ticks
   float average_vy = 0;
+  // Variance of the error of the outline's centre, as a fraction of the covariance of the events.
+  float centre_variance = kInitialCentreVariance;
   bool near_confirmed = true;    // a confirmed track is in reach, or it is not known yet
   bool may_be_fragment = false;  // it may belong to a confirmed track
 };

@@ -41,12 +41,6 @@ inline std::uint32_t size_memory(const Track& track, const UpdateRule& rule) noe
   return std::max(std::min(kShortest, rule.mean_events), events);
 }
 
-// The same of a track that may be in contact: events that a neighbour causes must not pull at it.
-inline std::uint32_t mean_memory(const Track& track, const Contour& contour,
-                                 const UpdateRule& rule) noexcept {
-  return track.partners > 0 ? rule.mean_events : contour.mean_events;
-}
-
 // The weight of the plain mean, by inverse variances. Textured objects, whose events fill their
 // outline, fall back to the plain mean.
 inline float mean_weight(const Track& track, const Contour& contour) noexcept {
@@ -70,10 +64,14 @@ inline void update_mean(Track& track, Contour& contour, const Innovation& nu, St
                         const UpdateRule& rule, const DirectionTable& directions) noexcept {
   constexpr float kAnywhere_px = 1000;
   constexpr float kNear_px = 3;  // where the weight of an event is 1 and nothing is clipped
-  const float share = 1 / (1 + static_cast<float>(track.events));
+  constexpr std::uint32_t kSampleMask = 15;
   const std::uint32_t n = ++track.events;
-  const float gain = std::max(share, contour.least_gain);
-  const float spread_gain = std::max(share, 1.0F / kCovarianceEvents);
+  float gain = contour.least_gain;
+  float spread_gain = 1.0F / kCovarianceEvents;
+  if (n < kCovarianceEvents) [[unlikely]] {
+    spread_gain = 1 / static_cast<float>(n);
+    gain = std::max(gain, spread_gain);
+  }
   const float distance = length(nu.dx, nu.dy);
   const std::size_t bin = directions.bin(nu.dx, nu.dy, distance);
   contour.learn_polarity(on, nu.dx, nu.dy, gain);
@@ -82,7 +80,10 @@ inline void update_mean(Track& track, Contour& contour, const Innovation& nu, St
   }
 
   const float residual = contour.residual(bin, distance);
-  if ((n & rule.contour_mask) == 0) contour.learn(bin, distance);
+  if ((n & rule.contour_mask) == 0) {
+    contour.learn(bin, distance);
+    if ((n & kSampleMask) == 0) contour.sample_polarity();
+  }
   float step = gain;
   if (n >= rule.mean_events && contour.known(bin) && distance > 0) {
     float clipped = residual;

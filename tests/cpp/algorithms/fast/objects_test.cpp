@@ -419,6 +419,31 @@ TEST(Engine, TheBoxOfAnObjectHoldsWhatIsNotRound) {
   EXPECT_GT(overlap(90), 0.7);
 }
 
+// A lamp fires as a whole, ON when it is lit and OFF when it goes out.
+TEST(Engine, ALampIsAClusterAndNoObject) {
+  for (const std::int64_t half_us : {10'000, 5'000, 500}) {
+    Engine engine({.width = 346, .height = 260});
+    std::minstd_rand random(1);
+    std::vector<Event> events;
+    for (std::int64_t t = 0; t < 300'000; t += half_us) {
+      for (int pixel = 0; pixel < 16 * 16; ++pixel) {
+        events.push_back({.x = static_cast<std::uint16_t>(100 + pixel % 16),
+                          .y = static_cast<std::uint16_t>(100 + pixel / 16),
+                          .p = static_cast<std::int16_t>(t / half_us % 2),
+                          .t = t + static_cast<std::int64_t>(random()) % (half_us / 5)});
+      }
+    }
+    std::ranges::stable_sort(events, {}, &Event::t);
+    engine.process(events, nullptr);
+    std::vector<Cluster> clusters;
+    engine.read(300'000, clusters);
+    EXPECT_EQ(clusters.size(), 1U);
+    std::vector<TrackedObject> objects;
+    engine.read(300'000, objects);
+    EXPECT_TRUE(objects.empty());
+  }
+}
+
 // Of twice as many objects as slots, those that were lost first are forgotten for new ones.
 TEST(Objects, TheTableIsNeverFull) {
   Layer layer;
