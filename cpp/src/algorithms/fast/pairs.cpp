@@ -115,12 +115,6 @@ float larger_extent(const TrackState& a, const TrackState& b) noexcept {
   return std::max(a.extent_px, b.extent_px);
 }
 
-// Whether one lies in the other.
-bool overlap(const TrackState& a, const TrackState& b, float distance_px) noexcept {
-  constexpr float kExtents = 0.7F;
-  return distance_px < kExtents * larger_extent(a, b);
-}
-
 // px by which a relative position may change and still count as kept. The means of two large parts
 // that lie close together wander, because they share events.
 float tolerance(const Tracks& tracks, const Candidate& pair) noexcept {
@@ -158,36 +152,6 @@ bool is_fragment(const Track& tentative, const MergeState& kept, bool whole) noe
   return meets(kept, kMoving) || kept.hold_s >= kAtRest_s;
 }
 
-float velocity_difference(const Track& a, const Track& b) noexcept {
-  return length(a.vx - b.vx, a.vy - b.vy);
-}
-
-float fastest(const Track& a, const Track& b) noexcept {
-  return std::max(length(a.vx, a.vy), length(b.vx, b.vy));
-}
-
-// Whether two tracks that were apart before would have separated again by now, had each kept its
-// average velocity.
-bool would_have_separated(const TrackState& a, const TrackState& b, float hold_s) noexcept {
-  constexpr float kApart_px = 10;
-  constexpr float kNew_s = 0.1F;      // a younger track was never apart from the other
-  constexpr float kLongest_s = 0.3F;  // equal average velocities leave no other evidence
-  if (std::min(a.confirmed_s, b.confirmed_s) <= kNew_s) return true;
-  const float speed = length(a.average_vx - b.average_vx, a.average_vy - b.average_vy);
-  return hold_s * speed >= kApart_px || hold_s >= kLongest_s;
-}
-
-bool overlap_and_move_alike(const Tracks& tracks, const Candidate& pair, const MergeState& kept,
-                            bool siblings) noexcept {
-  constexpr Required kRequired{0.03F, 3};
-  const TrackState& a = tracks.state(pair.keeper);
-  const TrackState& b = tracks.state(pair.other);
-  const float speed = fastest(tracks[pair.keeper], tracks[pair.other]);
-  return overlap(a, b, pair.distance_px) && meets(kept, kRequired) &&
-         velocity_difference(tracks[pair.keeper], tracks[pair.other]) < 0.6F * speed + 25 &&
-         (siblings || would_have_separated(a, b, kept.hold_s));
-}
-
 // Two confirmed tracks with both edges that are not thin, each of which may be an object: only a
 // long way together is evidence.
 bool whole_tracks_are_one(const Tracks& tracks, const Candidate& pair, const MergeState& kept,
@@ -195,7 +159,6 @@ bool whole_tracks_are_one(const Tracks& tracks, const Candidate& pair, const Mer
   constexpr float kLargeSibling_px = 10.5F;
   constexpr Required kOfALarge{0.03F, 5};
   constexpr Required kRequired{0.03F, 20};
-  if (overlap_and_move_alike(tracks, pair, kept, siblings)) return true;
   if (!siblings) return meets(kept, kRequired);
   const float larger = larger_extent(tracks.state(pair.keeper), tracks.state(pair.other));
   return meets(kept, larger > kLargeSibling_px ? kOfALarge : kRequired);
@@ -209,7 +172,6 @@ bool partial_tracks_are_one(const Tracks& tracks, const Candidate& pair, const M
   constexpr float kOld_s = 0.4F;
   constexpr Required kOld{0.1F, 15};
   constexpr Required kMoving{0.03F, 5};
-  if (overlap_and_move_alike(tracks, pair, kept, siblings)) return true;
   const float younger_s =
       std::min(tracks.state(pair.keeper).confirmed_s, tracks.state(pair.other).confirmed_s);
   if (younger_s < kYoung_s) return meets(kept, kYoung);
