@@ -50,13 +50,10 @@ inline float mean_weight(const Track& track, const Contour& contour) noexcept {
 }
 
 // The weight of an event by its distance from the outline: 1 up to 3 px, `far` from 6 px on.
-// Textured objects, recognised by the weight of their plain mean, have events of their own there.
-inline float event_weight(float residual, float mean_weight, float far) noexcept {
+inline float event_weight(float residual, float far) noexcept {
   constexpr float kNone_px = 6;
   constexpr float kFade_px = 3;
-  const float near = (kNone_px - std::abs(residual)) * (1 / kFade_px);
-  const float textured = 5 * mean_weight - 1.5F;
-  return std::clamp(std::max(near, textured), far, 1.0F);
+  return std::clamp((kNone_px - std::abs(residual)) * (1 / kFade_px), far, 1.0F);
 }
 
 // Takes an event without contact.
@@ -90,7 +87,7 @@ inline void update_mean(Track& track, Contour& contour, const Innovation& nu, St
     float weight = 1;
     if (std::abs(residual) > kNear_px) {
       clipped = Contour::clip(residual);
-      weight = event_weight(residual, track.mean_weight, rule.far_weight);
+      weight = event_weight(residual, rule.far_weight);
     }
     step *= (track.mean_weight + contour.outline_weight * clipped / distance) * weight;
   }
