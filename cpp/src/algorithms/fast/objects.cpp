@@ -276,7 +276,7 @@ std::size_t Objects::find_parent(const Tracks& tracks, std::size_t child) const 
 
 bool Objects::may_adopt(const Object& object) const noexcept {
   constexpr std::uint64_t kOld_us = 100'000;
-  constexpr float kWide_px = 60;
+  constexpr float kWide_px = 45;
   return std::max(object.sum.box.width(), object.sum.box.height()) >= kWide_px &&
          now_us_ - object.born_us > kOld_us;
 }
@@ -349,8 +349,8 @@ std::size_t Objects::grow_component(const Tracks& tracks, std::size_t first) noe
 // edges. So are two that show one edge each, of opposite polarity, the two sides of a thing: an
 // object of its own has both. All keep their ids for when they part.
 void Objects::join(const Tracks& tracks, float dt_s) noexcept {
-  constexpr float kEdges_s = 0.02F;
-  constexpr float kApart_s = 0.04F;
+  constexpr float kEdges_s = 0.01F;
+  constexpr float kApart_s = 0.06F;
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     Object& object = objects_[i];
     Bond& bond = object.bond;
