@@ -77,8 +77,6 @@ class Engine {
   EventClock clock_at(std::int64_t t_us) const noexcept;
   template <class Chosen, class Visit>
   void for_each_listed(const EventClock& clock, Chosen&& chosen, Visit&& visit) const;
-  Cluster cluster_of(Slot slot, const Track& track, const TrackState& state,
-                     const EventClock& clock) const noexcept;
   ObjectSum sum_of(std::size_t object, const EventClock& clock) const;
 
   // ---- per event ----

@@ -14,9 +14,9 @@ namespace asap::inline v0_1::fast {
 namespace {
 
 // The track as a cluster at the clock's time, up to which the track must have been advanced.
-Cluster report(const Track& track, const TrackState& state, const PositionError& error,
-               const EventClock& clock) noexcept {
+Cluster report(const Track& track, const TrackState& state, const EventClock& clock) noexcept {
   const Point mean = predicted_mean(track, clock.now());
+  const PositionError error = position_error(track, state, clock.now());
   return {.id = track.id,
           .x = mean.x,
           .y = mean.y,
@@ -81,18 +81,13 @@ void Engine::for_each_listed(const EventClock& clock, Chosen&& chosen, Visit&& v
   }
 }
 
-Cluster Engine::cluster_of(Slot slot, const Track& track, const TrackState& state,
-                           const EventClock& clock) const noexcept {
-  return report(track, state, position_error(track, state, clock.now()), clock);
-}
-
 void Engine::read(std::int64_t t_us, std::vector<Cluster>& clusters) const {
   clusters.clear();
   const EventClock clock = clock_at(t_us);
   for_each_listed(
       clock, [](Slot) { return true; },
-      [&](Slot slot, const Track& track, const TrackState& state) {
-        clusters.push_back(cluster_of(slot, track, state, clock));
+      [&](Slot, const Track& track, const TrackState& state) {
+        clusters.push_back(report(track, state, clock));
       });
   std::ranges::sort(clusters, {}, &Cluster::id);
 }
@@ -137,8 +132,8 @@ void Engine::read_parts(std::int64_t id, std::vector<Cluster>& clusters) const {
     if (!objects_.is_shown(i) || objects_.id(i) != id || sum_of(i, clock_).is_quiet()) continue;
     for_each_listed(
         clock_, [&](Slot slot) { return objects_.object_of(slot, tracks_[slot]) == i; },
-        [&](Slot slot, const Track& track, const TrackState& state) {
-          clusters.push_back(cluster_of(slot, track, state, clock_));
+        [&](Slot, const Track& track, const TrackState& state) {
+          clusters.push_back(report(track, state, clock_));
         });
   }
   std::ranges::sort(clusters, [](const Cluster& a, const Cluster& b) {
