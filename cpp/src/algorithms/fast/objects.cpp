@@ -276,7 +276,7 @@ std::size_t Objects::find_parent(const Tracks& tracks, std::size_t child) const 
 
 bool Objects::may_adopt(const Object& object) const noexcept {
   constexpr std::uint64_t kOld_us = 100'000;
-  constexpr float kWide_px = 45;
+  constexpr float kWide_px = 36;
   return std::max(object.sum.box.width(), object.sum.box.height()) >= kWide_px &&
          now_us_ - object.born_us > kOld_us;
 }

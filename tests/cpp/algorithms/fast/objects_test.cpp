@@ -150,7 +150,7 @@ TEST(Objects, WhatBeginsAtALargeObjectIsAPartOfIt) {
   };
   EXPECT_EQ(id_beside(21, 165, 200'000), 0);  // 73 px long; its reach ends at 168 px
   EXPECT_EQ(id_beside(21, 172, 200'000), 1);
-  EXPECT_EQ(id_beside(12, 140, 200'000), 1);  // 42 px long
+  EXPECT_EQ(id_beside(9, 130, 200'000), 1);  // 31 px long
   EXPECT_EQ(id_beside(21, 165, 50'000), 1);   // too new to tell
 }
 
