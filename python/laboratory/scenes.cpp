@@ -107,10 +107,6 @@ MovingShapesConfig seeded(const py::object& seed) {
   return make(whole_number("seed", seed));
 }
 
-MovingShapesConfig lamps(bool are_objects, const py::object& seed) {
-  return scenes::lamps(whole_number("seed", seed), are_objects);
-}
-
 template <class Scene, MovingShapesConfig (*make)(const Scene&)>
 MovingShapesConfig scripted(std::int64_t gap_us, double speed_px_s, double radius_px,
                             double noise_hz, const py::object& seed) {
@@ -135,7 +131,7 @@ void bind_scenes(py::module_& m) {
       .def_static("moving_camera", &seeded<scenes::moving_camera>, py::kw_only(), py::arg("seed"))
       .def_static("sparse", &seeded<scenes::sparse>, py::kw_only(), py::arg("seed"))
       .def_static("approaching", &seeded<scenes::approaching>, py::kw_only(), py::arg("seed"))
-      .def_static("lamps", &lamps, py::kw_only(), py::arg("are_objects"), py::arg("seed"))
+      .def_static("lamps", &seeded<scenes::lamps>, py::kw_only(), py::arg("seed"))
       .def_static("fence", &seeded<scenes::fence>, py::kw_only(), py::arg("seed"))
       .def_static("stop_and_go", &scripted<scenes::StopAndGo, scenes::stop_and_go>, py::kw_only(),
                   py::arg("gap_us"), py::arg("speed_px_s"), py::arg("radius_px"),

@@ -184,7 +184,7 @@ MovingShapesConfig approaching(std::uint64_t seed) {
   return config;
 }
 
-MovingShapesConfig lamps(std::uint64_t seed, bool are_objects) {
+MovingShapesConfig lamps(std::uint64_t seed) {
   constexpr std::int32_t kMovers = 4;
   constexpr std::int64_t kPeriods_us[] = {20'000, 10'000, 1'000};
   constexpr std::size_t kLamps = std::size(kPeriods_us);
@@ -210,7 +210,7 @@ MovingShapesConfig lamps(std::uint64_t seed, bool are_objects) {
     pair.flicker = {2'000, static_cast<std::int64_t>(draws.from({0.0, 2'000.0}))};
     config.shapes.push_back(at_rest(pair, {std::floor(place.x) + 0.5, std::floor(place.y)}));
   }
-  config.decoys = kPairs + (are_objects ? 0 : kLamps);
+  config.decoys = kLamps + kPairs;
   return config;
 }
 

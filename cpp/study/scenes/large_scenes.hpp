@@ -32,9 +32,9 @@ MovingShapesConfig sparse(std::uint64_t seed);
 // three small ones.
 MovingShapesConfig approaching(std::uint64_t seed);
 
-// N: four small movers, and at rest lamps of 50, 100 and 1000 Hz, 6 to 16 px, and two pairs of hot
-// pixels of 1000 events per second each. The lamps are the last objects, or noise as the pixels.
-MovingShapesConfig lamps(std::uint64_t seed, bool are_objects);
+// N: four small movers; the rest is noise: lamps of 50, 100 and 1000 Hz, 6 to 16 px, and two pairs
+// of hot pixels of 1000 events per second each.
+MovingShapesConfig lamps(std::uint64_t seed);
 
 // O: a ball of radius 15 to 40 px behind a fence: wires of 3 to 6 px every 10 to 20 px, vertical,
 // diagonal or both diagonals.

@@ -94,6 +94,10 @@ _MADE: dict[str, tuple[str, dict[str, Any], str]] = {  # kind of layout, its par
         *("approaching", {}),
         "One grows from 10 to 100 px in 1 to 1.8 s, 2 or 3 are small; 346 x 260 px, 2 s.",
     ),
+    "N": (
+        *("lamps", {}),
+        "4 small objects beside lamps and hot pixels, which are noise; 346 x 260 px, 2 s.",
+    ),
     "O": (
         *("fence", {}),
         "A ball of radius 15 to 40 px behind wires, which cause no event; 346 x 260 px, 2 s.",
@@ -112,7 +116,7 @@ def _named(label: str) -> Callable[..., Scene]:
     return make
 
 
-A, B, C, D, E, F, G, I, J, K, L, M, O = map(_named, "ABCDEFGIJKLMO")  # noqa: E741
+A, B, C, D, E, F, G, I, J, K, L, M, N, O = map(_named, "ABCDEFGIJKLMNO")  # noqa: E741
 
 
 def H(seed: int = 0, *, kind: Literal["bars", "angles", "rings"] | None = None) -> Scene:
@@ -131,23 +135,6 @@ def H(seed: int = 0, *, kind: Literal["bars", "angles", "rings"] | None = None) 
     kinds = list(_LARGE) if kind is None else [kind]
     label = "H" if kind is None else f"H_{kind}"
     return Scene._of("large_shapes", label=label, kinds=kinds, seed=seed)
-
-
-def N(seed: int = 0, *, lamps: bool = True) -> Scene:
-    """4 small objects beside 3 lamps and 2 pairs of hot pixels; 346 x 260 px, 2 s.
-
-    Parameters
-    ----------
-    seed : int
-        0 <= seed < 2**64.
-    lamps : bool
-        Whether the lamps of 6 to 16 px, which flicker at 50, 100 and 1000 Hz, are the objects 4, 5
-        and 6; else they are noise, with the same events. The hot pixels, of 1000 events per second
-        each, are noise. 1 Hz/px of other noise, as in `H` to `K`, `M` and `O`.
-    """
-    _checks.flag("lamps", lamps)
-    label = "N" if lamps else "N_movers"
-    return Scene._of("lamps", label=label, are_objects=lamps, seed=seed)
 
 
 def timing(
