@@ -270,10 +270,11 @@ bool Engine::update_track(Slot slot, const Tick& tick) noexcept {
   if (state.starved_s == 0) record_motion(track, state, tick);
   Contour& contour = tracks_.contour(slot);
   update_centre_variance(track, state, tick.dt_s);
-  const std::uint32_t memory = size_memory(track, settings_.update);
+  const std::uint32_t longest = settings_.update.mean_events;
   kalman_update(track, state.kalman, contour.variance,
-                track.partners > 0 ? settings_.update.mean_events : memory);
-  contour.set_memory(memory);
+                track.partners > 0 ? longest : std::min(state.mean_events, longest));
+  state.mean_events = size_memory(track, settings_.update);
+  contour.set_memory(state.mean_events);
   track.mean_weight = mean_weight(track, contour);
   contour.outline_weight = 2 * (1 - track.mean_weight);
 
