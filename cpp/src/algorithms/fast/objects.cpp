@@ -447,7 +447,7 @@ void Objects::judge(const Tracks& tracks, const NoiseTiles& noise) noexcept {
     const float ratio = object.sum.rate_hz / std::max(1e-3F, object.lone_hz);
     const bool is_sure = ratio >= kSureRatio;
     const bool is_weak = ratio < kMinRatio && !has_edges_apart(tracks, object.sum.lead);
-    if (is_weak || tracks.contour(object.sum.lead).flickers()) {
+    if (is_weak || tracks.contour(object.sum.lead).flickers(object.is_noise)) {
       object.is_noise = true;
     } else if (is_sure || has_both_edges(tracks, object.sum.lead)) {
       object.is_noise = false;

@@ -139,7 +139,7 @@ struct TrackState {
   std::uint16_t sibling = kNoSlot;  // a track that may be part of the same object
   std::uint16_t sibling_generation = 0;
   std::uint32_t mean_events = kMeanEvents;  // memory of the mean since the last tick
-  float last_seen_x = 0;  // px, at the last tick with enough events
+  float last_seen_x = 0;                    // px, at the last tick with enough events
   float last_seen_y = 0;
   float average_vx = 0;  // px/s, of such ticks
   float average_vy = 0;

@@ -151,7 +151,7 @@ TEST(Objects, WhatBeginsAtALargeObjectIsAPartOfIt) {
   EXPECT_EQ(id_beside(21, 165, 200'000), 0);  // 73 px long; its reach ends at 168 px
   EXPECT_EQ(id_beside(21, 172, 200'000), 1);
   EXPECT_EQ(id_beside(9, 130, 200'000), 1);  // 31 px long
-  EXPECT_EQ(id_beside(21, 165, 50'000), 1);   // too new to tell
+  EXPECT_EQ(id_beside(21, 165, 50'000), 1);  // too new to tell
 }
 
 TEST(Objects, WhatWasThereBeforeIsNoPart) {
@@ -319,6 +319,22 @@ TEST(Objects, AThingWithEdgesApartIsShownAmongItsOwnUnsupportedEvents) {
   EXPECT_FALSE(shows(3));
   EXPECT_TRUE(shows(4));
   EXPECT_FALSE(shows(3));
+}
+
+TEST(Objects, WhatFlickersIsHiddenUntilItHasClearlyCeased) {
+  Layer layer;
+  const auto slot = layer.add(104, 104);
+  const auto shows = [&](float variance) {
+    layer.tracks.contour(slot).average_polarity = 0.5F;
+    layer.tracks.contour(slot).average_polarity2 = 0.25F + variance;
+    layer.wait(5'000);
+    return layer.shows(slot);
+  };
+  EXPECT_TRUE(shows(0));
+  EXPECT_TRUE(shows(0.35F));
+  EXPECT_FALSE(shows(0.45F));
+  EXPECT_FALSE(shows(0.35F));
+  EXPECT_TRUE(shows(0.25F));
 }
 
 TEST(Objects, NoiseEverywhereHidesNothing) {
